@@ -53,27 +53,34 @@ rack::RackConfiguration load(const settings::Table& table, const product::Catalo
 Bench::Bench(const rack::RackConfiguration& configuration, base::SimDuration limit)
     : configuration_(without_files(configuration)),
       limit_(limit),
-      rack_(configuration_, log_),
+      log_(std::in_place),
+      rack_(std::in_place, configuration_, *log_),
       clock_(configuration_.step, configuration_.step) {
-  for (std::size_t i = 0; i < rack_.segment_count(); ++i) {
+  for (std::size_t i = 0; i < rack_->segment_count(); ++i) {
     segments_.push_back(std::make_unique<SegmentMaster>(*this, i));
   }
-  for (std::size_t i = 0; i < rack_.bus_count(); ++i) {
-    buses_.push_back(std::make_unique<BusMaster>(rack_, i, clock_));
+  for (std::size_t i = 0; i < rack_->bus_count(); ++i) {
+    buses_.push_back(std::make_unique<BusMaster>(*rack_, i, clock_));
   }
-  for (std::size_t i = 0; i < rack_.line_count(); ++i) {
-    lines_.push_back(std::make_unique<LineMaster>(rack_, i));
+  for (std::size_t i = 0; i < rack_->line_count(); ++i) {
+    lines_.push_back(std::make_unique<LineMaster>(*rack_, i));
   }
 }
 
 Bench::~Bench() {
-  for (const auto& line : lines_) {
-    rack_.connect_line(line->index, {});
+  disconnect_lines();
+}
+
+void Bench::disconnect_lines() {
+  if (rack_) {
+    for (const auto& line : lines_) {
+      rack_->connect_line(line->index, {});
+    }
   }
 }
 
 std::optional<rack::DeviceAddress> Bench::find(std::string_view device) const {
-  const std::vector<rack::DeviceAddress> addresses = rack_.addresses();
+  const std::vector<rack::DeviceAddress> addresses = rack_->addresses();
   const auto found = std::ranges::find_if(addresses, [&](rack::DeviceAddress each) {
     return device_configuration(each).name == device;
   });
@@ -82,7 +89,7 @@ std::optional<rack::DeviceAddress> Bench::find(std::string_view device) const {
 
 const product::Signal& Bench::signal(std::string_view name) {
   if (signals_.empty()) {
-    signals_ = rack_.signals();
+    signals_ = rack_->signals();
   }
   const auto found = std::ranges::find(signals_, name, &product::Signal::name);
   if (found == signals_.end()) {
@@ -107,11 +114,11 @@ std::uint64_t Bench::inject(const settings::Table& fault) {
 }
 
 base::Expected<std::uint64_t, std::string> Bench::inject(const rack::FaultConfiguration& fault) {
-  return rack_.inject(fault, now());
+  return rack_->inject(fault, now());
 }
 
 void Bench::clear_faults(std::optional<std::uint64_t> id) {
-  rack_.clear_faults(id, now());
+  rack_->clear_faults(id, now());
 }
 
 master::Result<void> Bench::go_operational() {
@@ -120,7 +127,7 @@ master::Result<void> Bench::go_operational() {
       return reached;
     }
   }
-  for (const rack::DeviceAddress device : rack_.addresses()) {
+  for (const rack::DeviceAddress device : rack_->addresses()) {
     if (node_id(device)) {
       wait_for_boot_up(device);
     }
@@ -134,7 +141,7 @@ master::Result<void> Bench::go_operational() {
 }
 
 void Bench::begin_deed() {
-  events_before_ = log_.total();
+  events_before_ = log_->total();
   for (const auto& bus : buses_) {
     take_frames(*bus);
     bus->before = bus->total();
@@ -166,7 +173,7 @@ void Bench::cycle() {
   }
   if (now() < end) {
     clock_.advance_to(end);
-    rack_.advance(end);
+    rack_->advance(end);
   }
   for (const auto& bus : buses_) {
     take_frames(*bus);
@@ -244,7 +251,7 @@ master::Result<std::size_t> Bench::position(rack::DeviceAddress device) {
   }
   // The controller keeps the address that the scan gave it, as long as it has supply.
   std::array<std::byte, 2> bytes{};
-  rack_.segment(device.network)
+  rack_->segment(device.network)
       .slave(device.device)
       .peek(ethercat::register_address::kStationAddress, bytes);
   const auto address = base::load_le<std::uint16_t>(bytes);
@@ -328,7 +335,7 @@ base::Expected<tmcl::Reply, std::string> Bench::ask(rack::DeviceAddress device,
                         .value = instruction.value};
   if (!configuration.serial.empty()) {
     for (const auto& line : lines_) {
-      if (rack_.line(line->index).configuration().link == configuration.serial.front().line) {
+      if (rack_->line(line->index).configuration().link == configuration.serial.front().line) {
         return ask_on_line(*line, request);
       }
     }
@@ -355,9 +362,9 @@ base::Expected<tmcl::Reply, std::string> Bench::ask(rack::DeviceAddress device,
 
 void Bench::write_line(std::size_t line, std::span<const std::byte> bytes) {
   clock_.on_telegram();
-  rack_.advance(now());
-  rack_.put(line, bytes, now());
-  rack_.settle_line(line, clock_);
+  rack_->advance(now());
+  rack_->put(line, bytes, now());
+  rack_->settle_line(line, clock_);
 }
 
 std::vector<std::byte> Bench::read_line(std::size_t line) {
@@ -370,7 +377,7 @@ base::Expected<tmcl::Reply, std::string> Bench::ask_on_line(LineMaster& line,
   write_line(line.index, tmcl::encode(request));
   if (!wait_until([&line] { return line.heard.size() >= tmcl::kTelegramLength; }, kTmclTimeout)) {
     return base::Unexpected{fmt::format("no reply came over {} within {:g} s, but {} bytes",
-                                        rack_.line(line.index).configuration().link,
+                                        rack_->line(line.index).configuration().link,
                                         kTmclTimeout.seconds(), line.heard.size())};
   }
   tmcl::Telegram telegram{};

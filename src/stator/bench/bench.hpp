@@ -68,11 +68,11 @@ class Bench {
   ~Bench();
 
   /// What the masters are connected to. Time is passed by the bench alone.
-  [[nodiscard]] rack::Rack& rack() { return rack_; }
+  [[nodiscard]] rack::Rack& rack() { return *rack_; }
   /// As it was built: without what would write files.
   [[nodiscard]] const rack::RackConfiguration& configuration() const { return configuration_; }
   /// What devices and buses had to say.
-  [[nodiscard]] const rack::EventLog& log() const { return log_; }
+  [[nodiscard]] const rack::EventLog& log() const { return *log_; }
   /// The present moment, counted from power-on.
   [[nodiscard]] base::SimTime now() const { return clock_.now(); }
   /// Of further masters' ports onto the rack, e.g. a LocalCanPort.
@@ -171,6 +171,32 @@ class Bench {
   /// What they have sent since the last call of this or of ask().
   std::vector<std::byte> read_line(std::size_t line);
 
+  // Back to an earlier moment.
+
+  /// What the masters know at a moment.
+  struct Memory;
+  /// It knows nothing of the rack, whose past is for whoever rewinds.
+  [[nodiscard]] std::shared_ptr<const Memory> remember() const;
+  /// Who brings a rack back to a moment, e.g. by playing a recording.
+  class Past {
+   public:
+    Past() = default;
+    Past(const Past&) = delete;
+    Past& operator=(const Past&) = delete;
+    virtual ~Past() = default;
+    /// Brings `rack`, at power-on, to the moment. Nobody else has touched it.
+    virtual void play(rack::Rack& rack) = 0;
+    /// The place that a master had on a bus at that moment, with what waited in it.
+    virtual std::unique_ptr<rack::BusPort> take_port(std::size_t bus, std::size_t number) = 0;
+    /// Lets go of the rack: the masters take over.
+    virtual void end() = 0;
+  };
+  /// Goes back to the moment of `memory`: builds rack() anew, in its place, has `past` bring it
+  /// there and lets the masters know what they knew. Drives and references to rack(), log() and
+  /// clock() go on being good; signals and further ports of others on the rack do not, and have to
+  /// be gone before. If `past` throws, nothing but the destructor may be called any more.
+  void rewind(const Memory& memory, Past& past);
+
  private:
   struct SegmentMaster;
   struct BusMaster;
@@ -180,8 +206,9 @@ class Bench {
   [[nodiscard]] const rack::DeviceConfiguration& device_configuration(
       rack::DeviceAddress device) const;
   [[nodiscard]] const std::string& name_of(rack::DeviceAddress device) {
-    return rack_.name_of(device);
+    return rack_->name_of(device);
   }
+  void disconnect_lines();
   void take_frames(BusMaster& bus);
   [[nodiscard]] std::vector<master::Emergency> emergencies_on_bus(rack::DeviceAddress device);
   /// Where the device was found, with its mailbox started.
@@ -195,8 +222,8 @@ class Bench {
 
   rack::RackConfiguration configuration_;
   base::SimDuration limit_;
-  rack::EventLog log_;
-  rack::Rack rack_;
+  std::optional<rack::EventLog> log_;
+  std::optional<rack::Rack> rack_;  ///< stays where it is when it is made anew
   rack::LockstepClock clock_;
   std::uint64_t events_before_ = 0;
   std::vector<std::unique_ptr<SegmentMaster>> segments_;

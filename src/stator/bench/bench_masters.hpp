@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <set>
 #include <span>
 #include <utility>
@@ -29,7 +30,7 @@ namespace stator::bench {
 
 struct Bench::SegmentMaster {
   SegmentMaster(Bench& bench, std::size_t segment)
-      : port(bench.rack_, segment, bench.clock_),
+      : port(*bench.rack_, segment, bench.clock_),
         master(port, master_options(bench.configuration_)) {}
 
   LocalPort port;
@@ -59,7 +60,8 @@ struct Bench::BusMaster {
 };
 
 struct Bench::LineMaster {
-  LineMaster(rack::Rack& rack, std::size_t number) : index(number) {
+  LineMaster(rack::Rack& rack, std::size_t number) : index(number) { connect(rack); }
+  void connect(rack::Rack& rack) {
     rack.connect_line(index, rack::SerialLine::Output::bind<&LineMaster::hear>(*this));
   }
   void hear(std::span<const std::byte> bytes) {
@@ -68,6 +70,29 @@ struct Bench::LineMaster {
 
   std::size_t index;
   std::vector<std::byte> heard{};
+};
+
+/// Everything that the masters of a bench know and that has not come from the rack's configuration.
+struct Bench::Memory {
+  struct Segment {
+    std::unique_ptr<master::Master> master;  ///< on the port of the one that is remembered
+    bool scanned = false;
+    std::uint64_t lost_before = 0;
+    std::vector<std::pair<std::size_t, master::Emergency>> emergencies;
+    std::set<std::size_t> mailboxes;
+    std::deque<std::vector<std::byte>> late;
+  };
+  struct Bus {
+    std::deque<can::TimedFrame> frames;
+    std::uint64_t forgotten = 0;
+    std::uint64_t before = 0;
+  };
+
+  rack::LockstepClock clock;
+  std::uint64_t events_before = 0;
+  std::vector<Segment> segments{};
+  std::vector<Bus> buses{};
+  std::vector<std::vector<std::byte>> lines{};
 };
 
 }  // namespace stator::bench

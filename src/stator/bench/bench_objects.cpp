@@ -125,7 +125,7 @@ std::vector<master::Emergency> Bench::emergencies_on_bus(rack::DeviceAddress dev
   constexpr std::size_t kHead = 3;
   std::uint32_t cob_id = kUsualCobId + node_id(device).value_or(0);
   const dictionary::Dictionary* const objects =
-      std::as_const(rack_).device(device).object_dictionary();
+      std::as_const(*rack_).device(device).object_dictionary();
   if (const dictionary::Entry* const entry =
           objects != nullptr ? objects->find(kCobIdObject, 0) : nullptr;
       entry != nullptr) {
@@ -181,8 +181,8 @@ master::Result<std::vector<master::Emergency>> Bench::emergencies(rack::DeviceAd
 
 void Bench::wait_for_boot_up(rack::DeviceAddress device) {
   const auto booted = [&] {
-    return !rack_.powered(device) ||
-           rack_.device(device).network_status().state != "Initialisation";
+    return !rack_->powered(device) ||
+           rack_->device(device).network_status().state != "Initialisation";
   };
   wait_until(booted, kBootTimeout);
 }
@@ -196,7 +196,7 @@ master::CanSdoClient Bench::can_client(rack::DeviceAddress device) {
 }
 
 master::Result<master::DrivePort*> Bench::drive(rack::DeviceAddress device) {
-  if (rack_.device(device).object_dictionary() == nullptr) {
+  if (rack_->device(device).object_dictionary() == nullptr) {
     return master::fail(ErrorCode::argument,
                         fmt::format("{} is no drive of CiA 402", name_of(device)));
   }

@@ -18,14 +18,18 @@ LocalCanPort::LocalCanPort(rack::Rack& rack, std::size_t bus, base::SimDuration 
       bus_(bus),
       own_clock_(cycle, step),
       clock_(own_clock_),
-      port_(rack, bus, kPort) {}
+      port_(std::make_unique<rack::BusPort>(rack, bus, kPort)) {}
 
 LocalCanPort::LocalCanPort(rack::Rack& rack, std::size_t bus, rack::LockstepClock& clock)
-    : rack_(rack), bus_(bus), own_clock_(clock), clock_(clock), port_(rack, bus, kPort) {}
+    : rack_(rack),
+      bus_(bus),
+      own_clock_(clock),
+      clock_(clock),
+      port_(std::make_unique<rack::BusPort>(rack, bus, kPort)) {}
 
 void LocalCanPort::send(const can::Frame& frame) {
   rack_.advance(clock_.on_frame(frame));
-  port_.put(frame);
+  port_->put(frame);
   rack_.settle(bus_, clock_);
 }
 

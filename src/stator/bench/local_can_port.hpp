@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "stator/base/sim_time.hpp"
 #include "stator/can/port.hpp"
@@ -25,19 +27,26 @@ class LocalCanPort {
   /// Sends a frame and lets it and what follows from it at once pass.
   void send(const can::Frame& frame);
   /// The oldest frame of the bus that was not taken yet.
-  [[nodiscard]] std::optional<can::TimedFrame> receive() { return port_.take(); }
+  [[nodiscard]] std::optional<can::TimedFrame> receive() { return port_->take(); }
   /// Frames that receive() has not given out yet.
-  [[nodiscard]] std::size_t waiting() const { return port_.waiting(); }
+  [[nodiscard]] std::size_t waiting() const { return port_->waiting(); }
   /// Lets `duration` pass.
   void wait(base::SimDuration duration);
   [[nodiscard]] base::SimTime now() const { return clock_.now(); }
+
+  /// The number of its place on the bus.
+  [[nodiscard]] std::size_t number() const { return port_->number(); }
+  /// Leaves the bus, since the rack ends; until take_over() nothing else may be called.
+  void leave() { port_.reset(); }
+  /// Goes on at this place of the rack, which was made anew.
+  void take_over(std::unique_ptr<rack::BusPort> port) { port_ = std::move(port); }
 
  private:
   rack::Rack& rack_;
   std::size_t bus_;
   rack::LockstepClock own_clock_;
   rack::LockstepClock& clock_;
-  rack::BusPort port_;
+  std::unique_ptr<rack::BusPort> port_;
 };
 
 }  // namespace stator::bench

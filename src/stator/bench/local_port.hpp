@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "stator/link/system/pcap_writer.hpp"
@@ -25,6 +26,11 @@ class LocalPort final : public master::FramePort {
                                        base::SimDuration timeout) override;
   void wait(base::SimDuration duration) override;
   [[nodiscard]] base::SimTime now() override { return clock_.now(); }
+
+  /// Frames that have come too late for who sent them, the oldest first.
+  [[nodiscard]] const std::deque<std::vector<std::byte>>& late() const { return late_; }
+  /// Has these wait in their place.
+  void set_late(std::deque<std::vector<std::byte>> frames) { late_ = std::move(frames); }
 
  private:
   master::Result<std::size_t> capture(std::span<const std::byte> frame);

@@ -80,6 +80,9 @@ class Bus {
     return write(station, address, data);
   }
 
+  /// Counts on from where `other` has come.
+  void go_on_from(const Bus& other) { late_answers_ = other.late_answers_; }
+
   [[nodiscard]] FramePort& port() { return port_; }
   [[nodiscard]] const MasterOptions& options() const { return options_; }
   /// Answers so far that came when nobody waited for them any more.

@@ -9,6 +9,20 @@
 
 namespace stator::master {
 
+CyclicExchange::CyclicExchange(Bus& bus, const CyclicExchange& other)
+    : bus_(bus),
+      slaves_(other.slaves_),
+      layout_(other.layout_),
+      image_(other.image_),
+      frame_data_(other.frame_data_),
+      reference_clock_(other.reference_clock_),
+      next_cycle_(other.next_cycle_),
+      failures_in_a_row_(other.failures_in_a_row_),
+      silent_since_(other.silent_since_),
+      lost_in_silence_(other.lost_in_silence_),
+      late_before_silence_(other.late_before_silence_),
+      statistics_(other.statistics_) {}
+
 void CyclicExchange::clear() {
   slaves_.clear();
   layout_ = {};

@@ -17,6 +17,8 @@ namespace stator::master {
 class CyclicExchange {
  public:
   explicit CyclicExchange(Bus& bus) : bus_(bus) {}
+  /// Goes on from where `other` has come, on `bus`.
+  CyclicExchange(Bus& bus, const CyclicExchange& other);
 
   /// Forgets image, mapping and reference clock.
   void clear();

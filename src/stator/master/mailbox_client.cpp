@@ -333,4 +333,11 @@ std::vector<Emergency> MailboxClient::take_emergencies() {
   return std::exchange(emergencies_, {});
 }
 
+void MailboxClient::go_on_from(const MailboxClient& other) {
+  counter_ = other.counter_;
+  last_counter_ = other.last_counter_;
+  early_answer_ = other.early_answer_;
+  emergencies_ = other.emergencies_;
+}
+
 }  // namespace stator::master

@@ -46,6 +46,9 @@ class MailboxClient {
   /// Fetches emergencies the slave has ready, without a request of its own.
   Result<void> collect();
 
+  /// Takes over what `other`, a client of the same slave, knows of it.
+  void go_on_from(const MailboxClient& other);
+
  private:
   struct Message {
     ethercat::MailboxHeader header;

@@ -49,6 +49,7 @@ struct Communication {
 struct Master::State {
   State(FramePort& port_to_use, const MasterOptions& options_to_use)
       : options(options_to_use), bus(port_to_use, options) {}
+  State(FramePort& port_to_use, const State& other);
 
   Result<void> idle();
   Result<Slave*> slave_at(std::size_t position);
@@ -64,6 +65,26 @@ struct Master::State {
   CyclicExchange cyclic{bus};
   bool operational = false;
 };
+
+Master::State::State(FramePort& port_to_use, const State& other)
+    : options(other.options),
+      bus(port_to_use, options),
+      slaves(other.slaves),
+      exchanging(other.exchanging),
+      cyclic(bus, other.cyclic),
+      operational(other.operational) {
+  bus.go_on_from(other.bus);
+  for (std::size_t i = 0; i < other.communications.size(); ++i) {
+    const Communication* const known = other.communications[i].get();
+    communications.push_back(
+        known == nullptr
+            ? nullptr
+            : std::make_unique<Communication>(bus, slaves[i], Idle::bind<&State::idle>(*this)));
+    if (known != nullptr) {
+      communications.back()->mailbox.go_on_from(known->mailbox);
+    }
+  }
+}
 
 /// While something is waited for: process data go on if they run already.
 Result<void> Master::State::idle() {
@@ -141,6 +162,11 @@ Result<void> Master::State::set(std::span<const std::size_t> positions, AlState 
 Master::Master(FramePort& port, const MasterOptions& options)
     : state_(std::make_unique<State>(port, options)) {}
 
+Master::Master(FramePort& port, const Master& other)
+    : state_(std::make_unique<State>(port, *other.state_)) {}
+
+Master::Master(Master&& other) noexcept = default;
+Master& Master::operator=(Master&& other) noexcept = default;
 Master::~Master() = default;
 
 const std::vector<Slave>& Master::slaves() const {

@@ -32,6 +32,11 @@ class Master {
  public:
   /// `port` must outlive the master.
   explicit Master(FramePort& port, const MasterOptions& options = {});
+  /// One that knows what `other` knows of the segment, and goes on from there when the segment is
+  /// as it was then.
+  Master(FramePort& port, const Master& other);
+  Master(Master&& other) noexcept;
+  Master& operator=(Master&& other) noexcept;
   ~Master();
 
   /// Counts the slaves, sets all of them to Init, gives station addresses from 1001h and reads who

@@ -70,6 +70,8 @@ class Cia402Client {
   Result<void> write_controlword(std::uint16_t controlword);
   /// The one that was written last.
   [[nodiscard]] std::uint16_t controlword() const { return controlword_; }
+  /// Takes `controlword` for that one, e.g. since the drive was brought back to an earlier moment.
+  void assume_controlword(std::uint16_t controlword) { controlword_ = controlword; }
 
   /// Selects a mode and waits until the drive shows it (6061h).
   Result<void> set_mode(OperationMode mode);
