@@ -18,11 +18,12 @@ import csv
 import socket
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
+from pluggy import Result
 
 from . import Error, Rack
 
@@ -136,8 +137,9 @@ def _opened(source: Any, options: dict[str, Any], folder: Path) -> tuple[Rack, d
     for attempt in range(_ATTEMPTS):
         links = _own_links(source, folder)
         changes = [*options.get("changes", ()), *(f"{key}={value}" for key, value in links.items())]
+        own: dict[str, Any] = {**options, "changes": changes}
         try:
-            return Rack(source, **{**options, "changes": changes}), links
+            return Rack(source, **own), links
         except Error as error:
             if attempt == _ATTEMPTS - 1 or "in use" not in str(error):
                 raise
@@ -203,7 +205,7 @@ def _plot(rack: Rack, path: Path) -> bool:
         panel.legend(loc="center left", bbox_to_anchor=(1, 0.5), fontsize=7, frameon=False)
         panel.grid(alpha=0.3)
     panels[-1][0].set_xlabel("simulated time, s")
-    figure.savefig(path)
+    cast(Any, figure).savefig(path)
     return True
 
 
@@ -223,10 +225,12 @@ def _keep_signals(rack: Rack, folder: Path) -> list[str]:
 
 
 @pytest.hookimpl(hookwrapper=True)
-def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, Result[pytest.TestReport], None]:
     """Adds events and files of a failed test's rack to its report."""
     outcome = yield
-    report = cast(Any, outcome).get_result()
+    report = outcome.get_result()
     rack = item.stash.get(_rack_key, None)
     if call.when != "call" or not report.failed or rack is None or rack.closed:
         return

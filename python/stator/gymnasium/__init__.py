@@ -12,6 +12,8 @@ of `Stepper`. `gymnasium.make` makes one axis, `gymnasium.make_vec` thousands th
 Without the import, `gymnasium.make("stator.gymnasium:stator/ServoVelocity-v0")` does the same.
 """
 
+from typing import Any, cast
+
 import gymnasium
 
 from stator.gymnasium.environments import AxisEnv, AxisVectorEnv, Options
@@ -28,7 +30,7 @@ def register() -> None:
         for task in ("Torque", "Velocity", "Position"):
             identity = f"stator/{plant}{task}-v0"
             if identity not in gymnasium.registry:
-                gymnasium.register(
+                cast(Any, gymnasium).register(
                     id=identity,
                     entry_point="stator.gymnasium:AxisEnv",
                     vector_entry_point="stator.gymnasium:AxisVectorEnv",
