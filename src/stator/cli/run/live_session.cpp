@@ -193,6 +193,10 @@ RunOptions continued(RunOptions given, const RunOptions& recorded) {
   if (!given.rack_file.empty() || !given.device.empty() || !given.changes.empty()) {
     throw Failure("--restore takes the rack out of the recording; name none beside it");
   }
+  if (!recorded.keeps_state && !given.state.empty()) {
+    throw Failure("--state has no place here: the devices of the recording keep nothing in files");
+  }
+  given.keeps_state = recorded.keeps_state;
   given.rack_file = recorded.rack_file;
   given.device = recorded.device;
   given.count = recorded.count;

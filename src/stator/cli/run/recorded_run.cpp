@@ -36,10 +36,7 @@ RunOptions options_in(const std::string& path, const replay::RecordingHeader& he
   }
 }
 
-rack::RackConfiguration configuration_in(const std::string& path,
-                                         const replay::RecordingHeader& header,
-                                         RunOptions options) {
-  options.needs_links = header.option(replay::kBuilderOption) != replay::kProgram;
+rack::RackConfiguration configuration_in(const std::string& path, const RunOptions& options) {
   try {
     return configuration_of(options);
   } catch (const std::runtime_error& error) {
@@ -53,11 +50,8 @@ RecordedRack::RecordedRack(const std::string& path, const std::filesystem::path&
     : reader_(path),
       options_(options_in(path, reader_.header(), folder_.path(),
                           state.empty() ? folder_.path() / "kept" : state)),
-      configuration_(configuration_in(path, reader_.header(), options_)) {
+      configuration_(configuration_in(path, options_)) {
   forget_files(configuration_);
-  if (header().option(replay::kStateOption) == replay::kStateNone) {
-    configuration_.state.clear();
-  }
 }
 
 RecordingPlace parse_place(const std::string& text) {

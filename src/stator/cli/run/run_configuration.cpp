@@ -189,6 +189,9 @@ rack::RackConfiguration configuration_of(const RunOptions& options) {
   if (!options.state.empty()) {
     configuration.state = options.state;
   }
+  if (!options.keeps_state) {
+    configuration.state.clear();
+  }
   if (options.no_emergencies) {
     switch_emergencies_off(configuration);
   }

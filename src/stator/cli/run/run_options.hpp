@@ -40,6 +40,7 @@ struct RunOptions {
   std::string state;
   bool no_emergencies = false;
   bool needs_links = true;  ///< false: a program built the rack, whose masters are inside
+  bool keeps_state = true;  ///< false: devices keep nothing in files, whatever the rack file says
   bool show = false;        ///< devices do something worth seeing, see Show
   WebOptions web;
 };

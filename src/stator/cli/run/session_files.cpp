@@ -59,6 +59,8 @@ RecordingHeader header_of(const RunOptions& options, const rack::RackConfigurati
   }
   if (!configuration.state.empty()) {
     replay::keep_state(configuration.state, header);
+  } else if (!options.keeps_state) {
+    keep(replay::kStateOption, replay::kStateNone);
   }
   return header;
 }
@@ -78,6 +80,8 @@ RunOptions options_of(const RecordingHeader& header, const fs::path& folder,
   const std::string_view count = header.option("count");
   std::from_chars(count.data(), count.data() + count.size(), options.count);
   options.no_emergencies = !header.option("no-emergencies").empty();
+  options.needs_links = header.option(replay::kBuilderOption) != replay::kProgram;
+  options.keeps_state = header.option(replay::kStateOption) != replay::kStateNone;
   options.rack_file = replay::lay_out(header, folder, state);
   if (header.option(replay::kStateOption) == replay::kStateKept) {
     options.state = state.string();
