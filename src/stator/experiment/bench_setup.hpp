@@ -38,8 +38,8 @@ template <typename RackConfiguration>
 
 /// Which axis is asked for.
 struct BenchAxis {
-  std::string rack;    ///< its file, for messages
-  std::string device;  ///< empty: the first on the network of the motor's kind
+  std::string rack{};    ///< its file, for messages
+  std::string device{};  ///< empty: the first on the network of the motor's kind
   unsigned axis = 0;
 };
 
