@@ -1,5 +1,6 @@
 // A program's place on a CAN bus: stator._native.CanPort, on which stator.can is built.
 #include <algorithm>
+#include <any>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -41,10 +42,35 @@ using Bytes = std::vector<std::byte>;
 struct BusPlace final : Guest {
   std::unique_ptr<rack::BusPort> port;
   std::unique_ptr<bench::LocalCanPort> local;
+  std::size_t bus = 0;
+  bool came_later = false;  ///< than the moment to which the rack was brought back
 
   void leave() override {
     port.reset();
     local.reset();
+  }
+  void step_aside() override {
+    if (local) {
+      local->leave();
+    }
+  }
+  /// The number of the place; nothing: it is closed.
+  [[nodiscard]] std::any remember() const override {
+    return local ? std::any(local->number()) : std::any();
+  }
+  // A port that was closed meanwhile stays so.
+  void recall(const std::any& memory, bench::Bench::Past& past) override {
+    if (!local) {
+      return;
+    }
+    auto place =
+        memory.has_value() ? past.take_port(bus, std::any_cast<std::size_t>(memory)) : nullptr;
+    if (place) {
+      local->take_over(std::move(place));
+    } else {
+      came_later = true;
+      local.reset();
+    }
   }
   [[nodiscard]] bool taken() const { return port != nullptr || local != nullptr; }
 };
@@ -55,6 +81,7 @@ class CanPort {
   CanPort(SessionPointer session, const std::string& bus) : session_(std::move(session)) {
     session_->held([&] {
       bus_ = require_bus(bus);
+      place_->bus = bus_;
       if (session_->has_links()) {
         place_->port = std::make_unique<rack::BusPort>(session_->rack(), bus_);
       } else {
@@ -136,6 +163,9 @@ class CanPort {
     while (!session_->closed()) {
       const auto left = end - Clock::now();
       const bool over = wait_until(std::min<Clock::duration>(left, kSignalsAreLookedFor), [&] {
+        if (place_->came_later) {
+          require_open();
+        }
         if (!place_->taken()) {
           return true;
         }
@@ -164,6 +194,15 @@ class CanPort {
     });
   }
 
+  [[nodiscard]] std::size_t waiting_frames() const {
+    return session_->held([this] {
+      require_open();
+      return waiting();
+    });
+  }
+  [[nodiscard]] bool open() const {
+    return !session_->closed() && session_->held([this] { return place_->taken(); });
+  }
   [[nodiscard]] std::string name() const {
     return session_->held([this] { return session_->configuration().buses[bus_].name; });
   }
@@ -215,7 +254,9 @@ class CanPort {
   }
   void require_open() const {
     if (!place_->taken()) {
-      throw std::runtime_error("the port is closed");
+      throw std::runtime_error(place_->came_later ? "the port was opened after the moment to which "
+                                                    "the rack was brought back; open it anew"
+                                                  : "the port is closed");
     }
   }
   /// A SYNC moves time by one cycle, every other frame by the rack's step.
@@ -255,6 +296,9 @@ void bind_can(nb::module_& module) {
       .def("settle", &CanPort::settle, "timeout"_a,
            "Waits until the thread that listens has handled all frames that have come.")
       .def_prop_ro("name", &CanPort::name, "Of the bus.")
+      .def_prop_ro("waiting", &CanPort::waiting_frames,
+                   "Frames that have come and were not taken yet.")
+      .def_prop_ro("open", &CanPort::open, "Whether it has its place on the bus.")
       .def("close", &CanPort::close, "Leaves the bus.");
 }
 

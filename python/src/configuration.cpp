@@ -4,6 +4,7 @@
 
 #include <nanobind/stl/string.h>
 
+#include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "values.hpp"
 
@@ -24,19 +25,35 @@ std::string called(nb::handle source) {
   return is_path(source) ? path_of(source) : "the rack";
 }
 
-rack::RackConfiguration configuration_of(nb::handle source, const product::Catalogue& catalogue,
-                                         const std::vector<std::string>& changes) {
+Source source_of(nb::handle source, const product::Catalogue& catalogue,
+                 const std::vector<std::string>& changes) {
+  Source described{.changes = changes};
   if (is_path(source)) {
-    const std::string path = path_of(source);
-    const nb::gil_scoped_release released;
-    if (catalogue.find(path) != nullptr) {
-      return rack::load_single_device(path, catalogue, changes);
-    }
-    return rack::load_rack_file(path, catalogue, changes);
+    std::string path = path_of(source);
+    (catalogue.find(path) != nullptr ? described.product : described.path) = std::move(path);
+  } else {
+    described.table = to_table(source);
   }
-  settings::Table table = to_table(source);
+  return described;
+}
+
+rack::RackConfiguration configuration_of(const Source& source,
+                                         const product::Catalogue& catalogue) {
+  if (!source.product.empty()) {
+    return rack::load_single_device(source.product, catalogue, source.changes);
+  }
+  if (!source.path.empty()) {
+    return rack::load_rack_file(source.path, catalogue, source.changes);
+  }
+  return rack::read_rack_tree(settings::Value(source.table), "", catalogue, source.changes);
+}
+
+rack::RackConfiguration configuration_of(nb::handle source,
+                                         const std::vector<std::string>& changes) {
+  const product::Catalogue& catalogue = devices::products();
+  const Source described = source_of(source, catalogue, changes);
   const nb::gil_scoped_release released;
-  return rack::read_rack_tree(settings::Value(std::move(table)), "", catalogue, changes);
+  return configuration_of(described, catalogue);
 }
 
 }  // namespace stator::python

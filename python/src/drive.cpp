@@ -1,4 +1,5 @@
 // An axis of a CiA 402 drive as a master sees it: stator._native.Drive.
+#include <any>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -34,18 +35,33 @@ constexpr std::array kModes{settings::Word{"profile-position", 1},
                             settings::Word{"cyclic-synchronous-velocity", 9},
                             settings::Word{"cyclic-synchronous-torque", 10}};
 
+/// What a master knows of a drive: the controlword that it wrote last.
+struct DriveGuest final : Guest {
+  DriveGuest(master::DrivePort& port, unsigned axis) : client(port, axis) {}
+
+  [[nodiscard]] std::any remember() const override { return client.controlword(); }
+  void recall(const std::any& memory, bench::Bench::Past& /*past*/) override {
+    client.assume_controlword(memory.has_value() ? std::any_cast<std::uint16_t>(memory)
+                                                 : std::uint16_t{0});
+  }
+
+  master::Cia402Client client;
+};
+
 /// An axis of a CiA 402 drive as a master sees it, over EtherCAT or CANopen.
 class Drive {
  public:
-  Drive(const DeviceHandle& device, unsigned axis)
-      : session_(device.session), client_(session_->held([&] {
-          return std::make_unique<master::Cia402Client>(
-              *value_or_throw(session_->bench().drive(device.address)), axis);
-        })) {}
+  Drive(const DeviceHandle& device, unsigned axis) : session_(device.session) {
+    session_->held([&] {
+      guest_ = std::make_shared<DriveGuest>(
+          *value_or_throw(session_->bench().drive(device.address)), axis);
+      session_->admit(guest_);
+    });
+  }
 
   template <typename Work>
   auto with(Work&& work) {
-    return session_->held([&] { return value_or_throw(work(*client_)); });
+    return session_->held([&] { return value_or_throw(work(guest_->client)); });
   }
   /// Waits, cycle by cycle, as long as `work` does; Ctrl-C ends that only afterwards.
   void wait_for_target(double limit) {
@@ -59,7 +75,7 @@ class Drive {
 
  private:
   std::shared_ptr<Session> session_;
-  std::unique_ptr<master::Cia402Client> client_;
+  std::shared_ptr<DriveGuest> guest_;
 };
 
 template <typename Method>

@@ -50,18 +50,24 @@ struct Fault {
 
 SessionPointer make_session(nb::handle source, bool links, std::optional<double> limit,
                             const std::vector<std::string>& signals, double period,
-                            const std::vector<std::string>& changes, nb::handle products) {
-  Session::Options options{
-      .links = links, .signals = signals, .failure = std::make_shared<DeviceFailure>()};
+                            const std::vector<std::string>& changes, nb::handle products,
+                            std::string recording, bool rewindable) {
+  Session::Options options{.links = links,
+                           .signals = signals,
+                           .recording = std::move(recording),
+                           .rewindable = rewindable,
+                           .failure = std::make_shared<DeviceFailure>()};
   product::Catalogue catalogue = devices::products();
   add_own_products(catalogue, products, options.failure);
-  rack::RackConfiguration configuration = configuration_of(source, catalogue, changes);
+  Source described = source_of(source, catalogue, changes);
+  described.own_devices = nb::len(products) != 0;
   if (limit) {
     options.limit = duration_of(*limit, "limit");
   }
   options.period = duration_of(period, "period");
   const nb::gil_scoped_release released;
-  return std::make_shared<Session>(std::move(configuration), options);
+  rack::RackConfiguration configuration = configuration_of(described, catalogue);
+  return std::make_shared<Session>(std::move(described), std::move(configuration), options);
 }
 
 std::uint64_t inject(Session& session, nb::handle keys) {
@@ -123,6 +129,13 @@ void bind_values(nb::module_& module) {
         return fmt::format("<Event {:.6f} s {} {}: {}>", event.time, event.device, event.id,
                            event.text);
       });
+  nb::class_<Moment>(module, "Moment", "A moment to which a rack can be brought back.")
+      .def_ro("name", &Moment::name, "Of the mark in the recording.")
+      .def_prop_ro(
+          "time", [](const Moment& moment) { return moment.time.seconds(); }, "Simulated time, s.")
+      .def("__repr__", [](const Moment& moment) {
+        return fmt::format("<Moment {} at {:.6f} s>", moment.name, moment.time.seconds());
+      });
   nb::class_<Fault>(module, "Fault", "A fault of the rack, armed, active or over.")
       .def_ro("id", &Fault::id, "Its number, by which it is cleared.")
       .def_ro("name", &Fault::name, "As it was given; empty: it has none.")
@@ -143,7 +156,8 @@ void bind_racks(nb::module_& module) {
   nb::class_<Session>(module, "Rack", "A rack; see stator.Rack.")
       .def(nb::new_(&make_session), "source"_a, "links"_a = false, "limit"_a = nb::none(),
            "signals"_a = std::vector<std::string>{"*"}, "period"_a = 0.001,
-           "changes"_a = std::vector<std::string>{}, "products"_a = nb::make_tuple())
+           "changes"_a = std::vector<std::string>{}, "products"_a = nb::make_tuple(),
+           "recording"_a = "", "rewindable"_a = false)
       .def_prop_ro(
           "now", [](Session& self) { return self.held([&self] { return self.now().seconds(); }); },
           "Simulated time since power-on, s.")
@@ -166,8 +180,38 @@ void bind_racks(nb::module_& module) {
       .def("stop", &Session::stop_pacing, nb::call_guard<nb::gil_scoped_release>(),
            "Ends what start() began.")
       .def_prop_ro("running", &Session::paced, "Whether time follows the machine's clock.")
-      .def("close", &Session::close, nb::call_guard<nb::gil_scoped_release>(),
-           "Ends the rack, its threads and links.")
+      .def(
+          "close",
+          [](Session& self) {
+            const nb::gil_scoped_release released;
+            return self.close();
+          },
+          "Ends the rack, its threads, links and recording; returns why that is not complete, or "
+          "\"\".")
+      .def(
+          "record",
+          [](Session& self, const std::string& path) { self.held([&] { self.record(path); }); },
+          "path"_a, "Records all that is done to the rack from power-on on.")
+      .def(
+          "mark",
+          [](Session& self, const std::string& name) { self.held([&] { self.mark(name); }); },
+          "name"_a, "Gives the present moment of the recording a name.")
+      .def(
+          "snapshot",
+          [](Session& self, const std::string& name) {
+            return self.held([&] { return self.snapshot(name); });
+          },
+          "name"_a = "", "The present moment, for rewind().")
+      .def(
+          "rewind",
+          [](Session& self, const Moment& moment) { self.held([&] { self.rewind(moment); }); },
+          "moment"_a, "Brings the rack back to a moment.")
+      .def(
+          "end_recording", [](Session& self) { self.held([&] { self.end_recording(); }); },
+          "Ends the recording.")
+      .def_prop_ro(
+          "recording", [](Session& self) { return self.held([&] { return self.recording(); }); },
+          "File of the recording; \"\": there is none.")
       .def_prop_ro("closed", &Session::closed, "Whether close() was called.")
       .def_prop_ro(
           "has_links", [](Session& self) { return self.has_links(); },
@@ -186,6 +230,20 @@ void bind_racks(nb::module_& module) {
             return SignalHandle(self, name);
           },
           "name"_a, "The signal of that name.")
+      .def(
+          "recorded_signals",
+          [](Session& self) {
+            return self.held([&self] {
+              std::vector<std::string> names;
+              if (const SignalStore* const store = self.signals(); store != nullptr) {
+                for (const product::Signal& signal : store->signals()) {
+                  names.push_back(signal.name);
+                }
+              }
+              return names;
+            });
+          },
+          "Names of the signals whose samples are kept.")
       .def(
           "forget_signals",
           [](Session& self) {

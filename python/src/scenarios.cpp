@@ -1,4 +1,5 @@
 // Scenarios: stator._native.run_scenario and what they come to, stator._native.ScenarioReport.
+#include <any>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@
 #include "configuration.hpp"
 #include "errors.hpp"
 #include "event_record.hpp"
+#include "own_device.hpp"
 #include "session.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/rack/file/rack_file_steps.hpp"
@@ -48,25 +50,36 @@ struct ScenarioReport {
   [[nodiscard]] bool passed() const { return result.status == scenario::Status::passed; }
 };
 
-/// A run with a place in a rack, which ends before the rack does.
+/// A run with a place in a rack, which ends before the rack does or is another.
 class RunGuest final : public Guest {
  public:
   RunGuest(const scenario::Scenario& scenario, bench::Bench& bench)
       : run_(std::in_place, scenario, bench) {}
   void leave() override { run_.reset(); }
-  [[nodiscard]] scenario::ScenarioRun& run() { return *run_; }
+  void step_aside() override { run_.reset(); }
+  [[nodiscard]] std::any remember() const override { return {}; }
+  void recall(const std::any& /*memory*/, bench::Bench::Past& /*past*/) override {}
+
+  /// Throws std::runtime_error if it has ended.
+  [[nodiscard]] scenario::ScenarioRun& run() {
+    if (!run_) {
+      throw std::runtime_error(
+          "the rack was brought to another moment, which has ended the scenario on it");
+    }
+    return *run_;
+  }
 
  private:
   std::optional<scenario::ScenarioRun> run_;
 };
 
 /// A scenario as a tree, and the name of its file.
-struct Source {
+struct ScenarioText {
   settings::Value tree;
   std::string name;
 };
 
-Source source_of(nb::handle source) {
+ScenarioText read_text(nb::handle source) {
   if (is_path(source)) {
     const std::string path = path_of(source);
     const nb::gil_scoped_release released;
@@ -86,6 +99,16 @@ scenario::Scenario require_read(ScenarioRead read) {
   return std::move(read.scenario);
 }
 
+/// Ends a run for which something goes wrong.
+void give_up(Session& session, RunGuest& guest) {
+  const nb::gil_scoped_release released;
+  try {
+    session.held_without_interpreter([&guest] { guest.leave(); });
+  } catch (const std::runtime_error&) {
+    // The rack is closed; the guest has left.
+  }
+}
+
 ScenarioReport run_on(Session& session, const scenario::Scenario& scenario) {
   std::shared_ptr<RunGuest> guest;
   std::uint64_t before = 0;
@@ -94,21 +117,25 @@ ScenarioReport run_on(Session& session, const scenario::Scenario& scenario) {
     session.admit(guest);
     before = session.log().total();
   });
-  while (session.held([&guest] { return guest->run().step(); })) {
-    if (PyErr_CheckSignals() != 0) {
-      session.held([&guest] { guest->leave(); });
-      throw nb::python_error();
+  try {
+    while (session.held([&guest] { return guest->run().step(); })) {
+      if (PyErr_CheckSignals() != 0) {
+        throw nb::python_error();
+      }
     }
+    return session.held([&] {
+      ScenarioReport report{guest->run().result(), events_of(session.log(), before)};
+      guest->leave();
+      return report;
+    });
+  } catch (...) {
+    give_up(session, *guest);
+    throw;
   }
-  return session.held([&] {
-    ScenarioReport report{guest->run().result(), events_of(session.log(), before)};
-    guest->leave();
-    return report;
-  });
 }
 
 ScenarioReport run_scenario(nb::handle source, const std::vector<std::string>& changes) {
-  Source read = source_of(source);
+  ScenarioText read = read_text(source);
   const scenario::Scenario scenario = [&] {
     const nb::gil_scoped_release released;
     return require_read(scenario::read_scenario_tree(std::move(read.tree), read.name,
@@ -116,15 +143,19 @@ ScenarioReport run_scenario(nb::handle source, const std::vector<std::string>& c
   }();
   const std::shared_ptr<Session> session = [&] {
     const nb::gil_scoped_release released;
-    return std::make_shared<Session>(scenario.rack,
-                                     Session::Options{.limit = scenario.limit, .signals = {}});
+    return std::make_shared<Session>(
+        Source{}, scenario.rack,
+        Session::Options{.limit = scenario.limit,
+                         .signals = {},
+                         .recording = {},
+                         .failure = std::make_shared<DeviceFailure>()});
   }();
   return run_on(*session, scenario);
 }
 
 ScenarioReport run_scenario_on(Session& session, nb::handle source,
                                const std::vector<std::string>& changes) {
-  Source read = source_of(source);
+  ScenarioText read = read_text(source);
   const scenario::Scenario scenario = [&] {
     return session.held([&] {
       return require_read(scenario::read_scenario_tree(std::move(read.tree), read.name,

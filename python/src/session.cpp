@@ -70,18 +70,44 @@ Session::Holding::~Holding() {
   session_.changed_.notify_all();
 }
 
-Session::Session(rack::RackConfiguration configuration, const Options& options)
-    : configuration_(std::move(configuration)), failure_(options.failure) {
+Session::Session(Source source, rack::RackConfiguration configuration, const Options& options)
+    : source_(std::move(source)),
+      sampled_(options.signals),
+      sampling_period_(options.period),
+      configuration_(std::move(configuration)),
+      failure_(options.failure) {
   if (!options.links) {
     bench_.emplace(configuration_, options.limit);
-    record(options);
+    bench_->rack().set_journal(&untouched_);
+    if (!options.recording.empty()) {
+      begin_recording(options.recording);
+    } else if (options.rewindable) {
+      folder_.emplace();
+      begin_recording((folder_->path() / "way.stator").string());
+    }
+    sample();
     return;
   }
+  if (options.rewindable) {
+    throw std::runtime_error(
+        "a rack on links cannot be brought back, its masters are outside; make it without "
+        "rewindable=True, and with recording=\"run.stator\", from which \"stator run --restore\" "
+        "goes "
+        "on");
+  }
   configuration_.clock = rack::ClockKind::real;
+  std::optional<replay::RecordingHeader> header;
+  if (!options.recording.empty()) {
+    header = header_of(source_, configuration_, true);  // kept files are those of power-on
+  }
   log_ = std::make_unique<rack::EventLog>();
   rack_ = std::make_unique<rack::Rack>(configuration_, *log_);
+  if (header) {
+    recorder_.emplace(*rack_, options.recording, std::move(*header));
+    recording_ = true;
+  }
   runner_ = std::make_unique<rack::Runner>(*rack_, configuration_, std::make_shared<NoLog>());
-  record(options);
+  sample();
   runner_->start();
   pacing_ = true;
   pacing_thread_ = std::thread([this] { keep_samples(); });
@@ -91,28 +117,33 @@ Session::Session(rack::RackConfiguration configuration, const Options& options)
 Session::~Session() {
   if (PyGILState_Check() != 0) {
     const nanobind::gil_scoped_release released;
-    close();
+    static_cast<void>(close());
   } else {
-    close();
+    static_cast<void>(close());
   }
 }
 
-void Session::record(const Options& options) {
-  if (options.signals.empty()) {
+void Session::sample() {
+  if (sampled_.empty()) {
     return;
   }
-  if (options.period <= base::SimDuration()) {
+  if (sampling_period_ <= base::SimDuration()) {
     throw std::runtime_error("the period of recorded signals must be longer than 0 s");
   }
-  signals_.emplace(rack(), rack::select_signals(all_signals(), options.signals), options.period,
+  signals_.emplace(rack(), rack::select_signals(all_signals(), sampled_), sampling_period_,
                    base::SimTime());
 }
 
-void Session::close() {
+void Session::admit(const std::shared_ptr<Guest>& guest) {
+  std::erase_if(guests_, [](const std::weak_ptr<Guest>& each) { return each.expired(); });
+  guests_.push_back(guest);
+}
+
+std::string Session::close() {
   stop_pacing();
   const std::scoped_lock lock(mutex_);
   if (closed_.exchange(true)) {
-    return;
+    return {};
   }
   changed_.notify_all();
   if (runner_) {
@@ -123,11 +154,71 @@ void Session::close() {
       guest->leave();
     }
   }
+  std::string incomplete = finish_recording();
   signals_.reset();
   runner_.reset();
+  recorder_.reset();
+  folder_.reset();
   rack_.reset();
   log_.reset();
   bench_.reset();
+  return incomplete;
+}
+
+void Session::record(const std::string& path) {
+  if (recording_ && !folder_) {
+    throw std::runtime_error(fmt::format(
+        "the rack is recorded into {} already; end_recording() ends that", recorder_->path()));
+  }
+  if (has_links() || recorder_ || !untouched_.untouched()) {
+    throw std::runtime_error(fmt::format(
+        "a recording begins at power-on, before anything is done to the rack, which is at {:g} s; "
+        "make the rack with recording=\"{}\", or call record() first",
+        now().seconds(), path));
+  }
+  begin_recording(path);
+}
+
+void Session::begin_recording(const std::string& path) {
+  recorder_.emplace(bench_->rack(), path, header_of(source_, bench_->configuration(), false));
+  recording_ = true;
+  keep_file();
+}
+
+void Session::mark(const std::string& name) {
+  if (!recording_) {
+    throw std::runtime_error(
+        "the rack is not recorded; make it with recording=\"run.stator\" to give moments names");
+  }
+  if (name.empty() || std::ranges::any_of(recorder_->marks(), [&name](const replay::Mark& each) {
+        return each.name == name;
+      })) {
+    throw std::runtime_error(name.empty() ? std::string("the name of a moment is empty")
+                                          : fmt::format("there is a moment \"{}\" in {} already",
+                                                        name, recorder_->path()));
+  }
+  recorder_->mark(name);
+}
+
+void Session::end_recording() {
+  if (!recording_) {
+    throw std::runtime_error("the rack is not recorded, or its recording has ended");
+  }
+  if (const std::string incomplete = finish_recording(); !incomplete.empty()) {
+    throw std::runtime_error(incomplete);
+  }
+}
+
+std::string Session::finish_recording() {
+  if (!std::exchange(recording_, false)) {
+    return {};
+  }
+  recorder_->finish();
+  if (recorder_->broken_off() == base::SimTime::never()) {
+    return {};
+  }
+  return fmt::format("the recording {} ends at {:.3f} s, because the disk was too slow or is full",
+                     recorder_->path(), recorder_->broken_off().seconds());
 }
 
 // Who only asks tells nobody, or two that wait would wake each other for ever. What threads of a
@@ -173,6 +264,15 @@ const std::vector<product::Signal>& Session::all_signals() {
     all_signals_ = rack().signals();
   }
   return all_signals_;
+}
+
+const product::Signal& Session::require_signal(const std::string& name) {
+  const std::vector<product::Signal>& all = all_signals();
+  const auto found = std::ranges::find(all, name, &product::Signal::name);
+  if (found == all.end()) {
+    throw std::runtime_error(fmt::format("there is no signal \"{}\"", name));
+  }
+  return *found;
 }
 
 void Session::wake() const {

@@ -1,6 +1,7 @@
 // A rack of the package: on a bench, or in real time on links, and who may touch it.
 #pragma once
 
+#include <any>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -18,6 +19,7 @@
 #include <nanobind/nanobind.h>
 
 #include "own_device.hpp"
+#include "recording.hpp"
 #include "signal_store.hpp"
 #include "stator/base/sim_time.hpp"
 #include "stator/bench/bench.hpp"
@@ -25,6 +27,8 @@
 #include "stator/rack/core/rack_configuration.hpp"
 #include "stator/rack/observe/event_log.hpp"
 #include "stator/rack/run/runner.hpp"
+#include "stator/replay/recorded_files.hpp"
+#include "stator/replay/session_recorder.hpp"
 
 namespace stator::python {
 
@@ -32,15 +36,34 @@ namespace stator::python {
 /// negative, not finite or beyond 292 years.
 [[nodiscard]] base::SimDuration duration_of(double seconds, const char* what);
 
-/// Somebody with a place in a rack, which has to leave before the rack ends.
+/// Somebody in a rack who has a place on it, which he has to leave before it ends, or who knows
+/// something of it. The rack is held whenever he is called.
 class Guest {
  public:
   Guest() = default;
   Guest(const Guest&) = delete;
   Guest& operator=(const Guest&) = delete;
   virtual ~Guest() = default;
-  /// Gives the place back. The rack is held.
-  virtual void leave() = 0;
+  /// Gives the place back.
+  virtual void leave() {}
+  /// Gives it back since the rack is brought to another moment; recall() follows.
+  virtual void step_aside() {}
+  /// What he knows at a moment of the rack.
+  [[nodiscard]] virtual std::any remember() const = 0;
+  /// The rack was brought back to a moment: of that is `memory`; without a value he came later.
+  /// `past` has the places on buses as they were then.
+  virtual void recall(const std::any& memory, bench::Bench::Past& past) = 0;
+};
+
+/// A moment of a rack that is recorded, to which it can be brought back.
+struct Moment {
+  std::string name;
+  base::SimTime time;
+  std::string recording;  ///< file with a mark of that name
+  const void* session = nullptr;
+  std::shared_ptr<const bench::Bench::Memory> masters{};
+  std::vector<std::pair<std::weak_ptr<Guest>, std::any>> guests{};
+  std::shared_ptr<const std::string> kept_file{};  ///< has `recording` stay, if nobody asked for it
 };
 
 /// A rack and its simulated time. In lockstep it is a bench, on which time passes with what masters
@@ -53,11 +76,14 @@ class Session {
     base::SimDuration limit = base::SimDuration::max();  ///< simulated time, without links
     std::vector<std::string> signals;                    ///< patterns of those that are recorded
     base::SimDuration period{1'000'000};                 ///< between two samples
-    std::shared_ptr<DeviceFailure> failure;              ///< of devices in Python; never null
+    std::string recording;    ///< file in which all is recorded from power-on; empty: none
+    bool rewindable = false;  ///< is recorded for rewind() even if nobody names a file
+    std::shared_ptr<DeviceFailure> failure;  ///< of devices in Python; never null
   };
 
-  /// Builds the rack. Throws std::runtime_error for what cannot be built or opened.
-  Session(rack::RackConfiguration configuration, const Options& options);
+  /// Builds the rack that `source` and `configuration` describe. Throws std::runtime_error for what
+  /// cannot be built, opened or recorded.
+  Session(Source source, rack::RackConfiguration configuration, const Options& options);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session();
@@ -101,11 +127,35 @@ class Session {
   void stop_pacing();
   [[nodiscard]] bool paced() const { return pacing_.load(); }
 
-  /// Ends all threads and closes links; every later use throws.
-  void close();
+  /// Ends all threads, links and the recording; every later use throws. Returns why the recording
+  /// is not complete; empty if it is or there is none.
+  std::string close();
   [[nodiscard]] bool closed() const { return closed_.load(); }
 
   // While the rack is held.
+
+  /// Records all that is done to the rack from now on into a file at `path`. Throws
+  /// std::runtime_error if something was done to it already, or the file cannot be written.
+  void record(const std::string& path);
+  /// Gives the present moment of the recording a name. Throws std::runtime_error if there is no
+  /// recording, it has ended, or the name is taken.
+  void mark(const std::string& name);
+  /// The present moment, for rewind(); empty `name`: one is made. Throws std::runtime_error if the
+  /// rack is on links, or as mark() does.
+  [[nodiscard]] Moment snapshot(std::string name);
+  /// Brings the rack back to `moment`: builds it anew and plays its recording up to there. What
+  /// follows is recorded in a further file. Throws std::runtime_error if it cannot be: the rack
+  /// then is as it was, or closed, as the text says.
+  void rewind(const Moment& moment);
+  /// Ends the recording; the rack goes on. Throws std::runtime_error if there is none, or it is not
+  /// complete.
+  void end_recording();
+  /// File of the recording that somebody asked for, even if it has ended; empty: there is none.
+  [[nodiscard]] std::string recording() const {
+    return recorder_ && !folder_ ? recorder_->path() : "";
+  }
+  /// Changes when the rack was made anew: what referred to parts of it is to be looked for again.
+  [[nodiscard]] std::uint64_t generation() const { return generation_; }
 
   [[nodiscard]] rack::Rack& rack() { return bench_ ? bench_->rack() : *rack_; }
   [[nodiscard]] const rack::EventLog& log() const { return bench_ ? bench_->log() : *log_; }
@@ -120,10 +170,12 @@ class Session {
   void wake() const;
   /// The device of that name. Throws std::runtime_error with the nearest.
   [[nodiscard]] rack::DeviceAddress require_device(const std::string& name);
+  /// The signal of that name. Throws std::runtime_error if there is none.
+  [[nodiscard]] const product::Signal& require_signal(const std::string& name);
   /// All signals of the rack, in its order.
   [[nodiscard]] const std::vector<product::Signal>& all_signals();
   /// Has `guest`, as long as it lives, leave before the rack ends.
-  void admit(const std::shared_ptr<Guest>& guest) { guests_.push_back(guest); }
+  void admit(const std::shared_ptr<Guest>& guest);
   /// Null: nothing is recorded.
   [[nodiscard]] SignalStore* signals() { return signals_ ? &*signals_ : nullptr; }
 
@@ -141,7 +193,15 @@ class Session {
     std::unique_lock<std::mutex> lock_;
   };
 
-  void record(const Options& options);
+  class Replayed;
+
+  void sample();
+  void begin_recording(const std::string& path);
+  /// Has the file of the recording go when neither this nor a moment needs it, unless somebody
+  /// asked for it.
+  void keep_file();
+  /// Ends it and waits for the disk; returns why it is not complete, else nothing.
+  std::string finish_recording();
   /// Lets some of `remaining` pass, which it makes less; true: there is more.
   bool pass_slice(base::SimDuration& remaining);
   /// Waits some time for `end`; true: it has come.
@@ -149,12 +209,22 @@ class Session {
   void pace(double speed);
   void keep_samples();
 
+  Source source_;
+  std::vector<std::string> sampled_;  ///< patterns of the signals that are recorded for NumPy
+  base::SimDuration sampling_period_;
+  std::optional<replay::TemporaryFolder> folder_;  ///< of recordings that nobody asked for
+  std::uint64_t generation_ = 0;
+  std::uint64_t moments_ = 0;  ///< those without a name so far
   rack::RackConfiguration configuration_;
   std::shared_ptr<DeviceFailure> failure_;
+  Untouched untouched_;  ///< the journal of a rack without a recording
   std::optional<bench::Bench> bench_;
   // With links, in the order in which they need each other.
   std::unique_ptr<rack::EventLog> log_;
   std::unique_ptr<rack::Rack> rack_;
+  std::optional<replay::SessionRecorder> recorder_;
+  bool recording_ = false;                        ///< the recorder has not ended
+  std::shared_ptr<const std::string> kept_file_;  ///< see keep_file()
   std::unique_ptr<rack::Runner> runner_;
   std::vector<std::weak_ptr<Guest>> guests_;
   std::vector<product::Signal> all_signals_;  ///< empty until somebody asks

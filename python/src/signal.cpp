@@ -55,18 +55,20 @@ std::size_t require_signal(const SignalStore& store, const std::string& name) {
 SignalHandle::SignalHandle(std::shared_ptr<Session> session, const std::string& name)
     : session_(std::move(session)) {
   session_->held([&] {
-    for (const product::Signal& each : session_->all_signals()) {
-      if (each.name == name) {
-        signal_ = each;
-        return;
-      }
-    }
-    throw std::runtime_error(fmt::format("there is no signal \"{}\"", name));
+    signal_ = session_->require_signal(name);
+    reader_ = signal_.read;
+    generation_ = session_->generation();
   });
 }
 
 double SignalHandle::value() const {
-  return session_->held([this] { return signal_.read(); });
+  return session_->held([this] {
+    if (generation_ != session_->generation()) {
+      reader_ = session_->require_signal(signal_.name).read;
+      generation_ = session_->generation();
+    }
+    return reader_();
+  });
 }
 
 Column::Look SignalHandle::values() const {

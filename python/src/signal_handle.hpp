@@ -1,10 +1,12 @@
 // A signal of a rack: stator._native.Signal.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
 #include "session.hpp"
+#include "stator/product/device/signal.hpp"
 
 namespace stator::python {
 
@@ -23,6 +25,8 @@ class SignalHandle {
  private:
   std::shared_ptr<Session> session_;
   product::Signal signal_;
+  mutable base::SignalReader reader_;
+  mutable std::uint64_t generation_ = 0;  ///< of the rack whose part the reader reads
 };
 
 }  // namespace stator::python

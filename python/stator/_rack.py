@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import difflib
 import io
+import warnings
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
-from os import PathLike
+from os import PathLike, fspath
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -293,6 +295,10 @@ class Rack(Mapping[str, Device]):
         changes: "PATH=VALUE" each, as ``--set`` of commands has them, e.g. "x.axis[0].load.inertia=2e-4".
         products: classes of devices of one's own (:class:`stator.EtherCatDevice`, :class:`stator.CanOpenDevice`), whose
             types the source may name beside those of Stator.
+        recording: file, e.g. "run.stator", in which everything that is done to the rack is recorded from power-on on; see
+            :meth:`record`.
+        rewindable: keep a recording, in a temporary folder, for :meth:`snapshot` and :meth:`rewind`; not with ``links``.
+            A rack with ``recording`` can be brought back anyway.
 
     Raises:
         RackFileError: the source has a mistake; the text says where and what to do.
@@ -312,8 +318,13 @@ class Rack(Mapping[str, Device]):
         period: float = 0.001,
         changes: Sequence[str] = (),
         products: Sequence[type[OwnDevice]] = (),
+        recording: str | PathLike[str] | None = None,
+        rewindable: bool = False,
     ) -> None:
-        self.native = _native.Rack(source, links, limit, list(signals), period, list(changes), tuple(products))
+        file = "" if recording is None else fspath(recording)
+        self.native = _native.Rack(
+            source, links, limit, list(signals), period, list(changes), tuple(products), file, rewindable
+        )
         self._names = self.native.device_names()
         self._devices: dict[str, Device] = {}
         self._listeners: list[Callable[[], None]] = []
@@ -472,11 +483,101 @@ class Rack(Mapping[str, Device]):
         """Takes all slaves to Operational, with their process data, and starts all CANopen nodes. Lockstep only."""
         _native.go_operational(self.native)
 
+    # Recordings.
+
+    def record(self, path: str | PathLike[str]) -> None:
+        """Records everything that is done to the rack from now on, and what comes out of it, into the file ``path``.
+
+        ``stator replay FILE`` does it again, anywhere, and compares every answer to the last bit; ``stator run --restore``
+        goes on from it. The rack file and what it names are in the recording, so it needs nothing else. A recording begins
+        at power-on: call this before anything else is done to the rack, or make the rack with ``recording=``, which is the
+        only way with ``links=True``.
+
+        Raises:
+            Error: something was done to the rack already, the file cannot be written, or the rack names files that no
+                recording can hold.
+        """
+        self.native.record(fspath(path))
+
+    def mark(self, name: str) -> None:
+        """Gives the present moment of the recording a name, by which ``stator run --restore FILE@NAME`` goes back to it.
+
+        Raises:
+            Error: the rack is not recorded, or there is such a name already.
+        """
+        self.native.mark(name)
+
+    def snapshot(self, name: str = "") -> _native.Moment:
+        """The present moment, to which :meth:`rewind` brings the rack back. It is a mark of the recording, too.
+
+        The rack is in lockstep and recorded: ``rewindable=True``, ``recording=`` or :meth:`record`.
+
+        Args:
+            name: of the mark; one is made if it is empty.
+
+        Raises:
+            Error: the rack is not recorded or on links, or there is such a name already.
+        """
+        return self.native.snapshot(name)
+
+    def rewind(self, moment: _native.Moment) -> None:
+        """Brings the rack back to a moment of its own, as often as one likes; from there it can go another way.
+
+        The rack is made anew and its recording is played up to there, so this takes as long as the devices compute. Devices,
+        their state and surroundings, faults, events, recorded signals and time are what they were, and so are the masters
+        of this package: the scan and process data of the EtherCAT master, drives, frames that wait. Everything that was got
+        from the rack goes on being good, but for ports of CAN buses that were opened after the moment: they are closed.
+        What a program of others knows, e.g. a node of python-canopen, is that program's: it is as it was before the call.
+
+        The way not taken stays in its recording, and moments of it stay good. The new way is recorded, from power-on, in
+        ``run-2.stator`` beside it. What :meth:`forget_signals` dropped comes back.
+
+        Raises:
+            Error: the moment is another rack's, time follows the machine's clock, or the recording is gone.
+        """
+        self.native.rewind(moment)
+        if self._listeners:
+            self.settle()
+
+    def end_recording(self) -> None:
+        """Ends the recording, whose file is complete afterwards; the rack goes on. The end of the rack ends it as well.
+
+        Raises:
+            Error: the rack is not recorded, or the disk was too slow or full, so that the recording ends before.
+        """
+        self.native.end_recording()
+
+    @property
+    def recording(self) -> Path | None:
+        """The file of the recording, even when it has ended; None: there is none."""
+        file = self.native.recording
+        return Path(file) if file else None
+
+    def export_mcap(self, path: str | PathLike[str], signals: Sequence[str] = ("*",)) -> None:
+        """Writes recorded signals and events into an MCAP file, which PlotJuggler and Foxglove open.
+
+        Each device or bus is a channel with messages in JSON, its signals at the paths that are their names; log time is
+        simulated time in nanoseconds. The newest thousand events are messages of the topic ``events``. Needs the package
+        ``mcap``: ``pip install stator[mcap]``.
+
+        Args:
+            path: of the file, e.g. "run.mcap".
+            signals: names of recorded signals, with ``*`` as wild card.
+
+        Raises:
+            Error: no signal is recorded, none has such a name, the file cannot be written, or ``mcap`` is missing.
+        """
+        from .mcap import export
+
+        export(self, path, signals)
+
     # Its end.
 
     def close(self) -> None:
-        """Ends the rack: threads, links, places on buses. Calling it again does nothing."""
-        self.native.close()
+        """Ends the rack: threads, links, places on buses, the recording. Calling it again does nothing."""
+        incomplete = self.native.close()
+        if incomplete:
+            warnings.warn(incomplete, RuntimeWarning, stacklevel=2)
 
     @property
     def closed(self) -> bool:

@@ -92,16 +92,22 @@ class Bus(can.BusABC):
 
     def _settle(self) -> None:
         """Waits until the thread that takes frames, if there is one, has handled all that have come."""
-        self._port.settle(_PATIENCE)
+        if self._port.open:
+            self._port.settle(_PATIENCE)
+        else:  # the rack was brought back to a moment at which the port was not open yet
+            self._leave()
 
     def shutdown(self) -> None:
         """Leaves the bus."""
+        self._leave()
+        super().shutdown()
+
+    def _leave(self) -> None:
         if self._open:
             self._open = False
             if self._settle in self._rack._listeners:
                 self._rack._listeners.remove(self._settle)
             self._port.close()
-        super().shutdown()
 
 
 __all__ = ["Bus"]

@@ -8,13 +8,16 @@ A rack with ``links=True`` gets UDP and TCP ports that are free and names of its
 sockets, so that tests run beside each other (``pytest -n 8``); ``stator_links`` tells where they are.
 
 When a test fails its report has the last events and the faults; the recorded signals go to files whose names stand in the
-report: a table (CSV), and a plot if matplotlib is there. Every test with a rack has its simulated seconds, rack and counts
+report: a table (CSV), and a plot if matplotlib is there. Everything that was done to the rack is in a recording, which the
+report names with the command that does it again; ``stator_recording = false`` in the ini file or ``--no-stator-recording``
+leaves it away. Every test with a rack has its simulated seconds, rack and counts
 of events as properties in JUnit reports.
 """
 
 from __future__ import annotations
 
 import csv
+import shlex
 import socket
 import tomllib
 from collections import Counter
@@ -34,6 +37,9 @@ _ROWS = 20_000
 _ATTEMPTS = 5
 _rack_key = pytest.StashKey[Rack]()
 _links_key = pytest.StashKey["dict[str, str]"]()
+#: The recording of a test's rack, or why there is none.
+_recording_key = pytest.StashKey["Path | str"]()
+_failed_key = pytest.StashKey[bool]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -41,6 +47,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.getgroup("stator").addoption(
         "--stator-rack", metavar="FILE", help="rack file, or type of a product, for tests that name none"
     )
+    parser.getgroup("stator").addoption(
+        "--no-stator-recording",
+        action="store_true",
+        help="keep no recording of the racks of tests, of which a failed test reports the file",
+    )
+    parser.addini("stator_recording", "record the racks of tests, for those that fail", type="bool", default=True)
     parser.addini("stator_rack", "rack file for tests that name none; relative to the ini file", default="")
 
 
@@ -146,13 +158,33 @@ def _opened(source: Any, options: dict[str, Any], folder: Path) -> tuple[Rack, d
     raise AssertionError("unreachable")
 
 
+def _recorded(
+    request: pytest.FixtureRequest, source: Any, options: dict[str, Any], folder: Path
+) -> tuple[Rack, dict[str, str], Path | str | None]:
+    """The rack, its links, and its recording, or why there is none; None: nobody wants one."""
+    config = request.config
+    if options.get("recording") is not None:
+        return *_opened(source, options, folder), Path(options["recording"])
+    if config.getoption("--no-stator-recording") or not config.getini("stator_recording"):
+        return *_opened(source, options, folder), None
+    file = folder / "run.stator"
+    try:
+        return *_opened(source, {**options, "recording": file}, folder), file
+    except Error as error:
+        # A rack that no recording can hold, e.g. since it names files by absolute paths, can be tested all the same;
+        # what else is wrong with it is wrong without a recording, too.
+        return *_opened(source, options, folder), str(error)
+
+
 @pytest.fixture
 def stator_rack(request: pytest.FixtureRequest, tmp_path: Path, record_property: Any) -> Iterator[Rack]:
     """A fresh :class:`stator.Rack` for this test; see the plug-in's documentation for which."""
     source, options = _source(request)
-    rack, links = _opened(source, options, tmp_path)
+    rack, links, recording = _recorded(request, source, options, tmp_path)
     with rack:
         request.node.stash[_rack_key] = rack
+        if recording is not None:
+            request.node.stash[_recording_key] = recording
         request.node.stash[_links_key] = links
         for marker in reversed(list(request.node.iter_markers("stator_fault"))):
             rack.inject(*marker.args, **marker.kwargs)
@@ -162,6 +194,12 @@ def stator_rack(request: pytest.FixtureRequest, tmp_path: Path, record_property:
             record_property("stator_seconds", f"{rack.now:.9f}")
             for severity, count in sorted(Counter(event.severity for event in rack.events()).items()):
                 record_property(f"stator_events_{severity}", count)
+    if (
+        options.get("recording") is None
+        and isinstance(recording, Path)
+        and not request.node.stash.get(_failed_key, False)
+    ):
+        recording.unlink(missing_ok=True)
 
 
 @pytest.fixture
@@ -224,6 +262,23 @@ def _keep_signals(rack: Rack, folder: Path) -> list[str]:
     return lines
 
 
+def _keep_recording(item: pytest.Item, rack: Rack) -> list[str]:
+    """Ends the recording of a failed test's rack; returns lines for the report."""
+    recording = item.stash.get(_recording_key, None)
+    if recording is None:
+        return []
+    if not isinstance(recording, Path):
+        return [f"no recording: {recording}"]
+    lines: list[str] = []
+    if not rack.closed:
+        recording = rack.recording or recording
+        try:
+            rack.end_recording()
+        except Error as error:
+            lines.append(str(error))
+    return [*lines, f"recording, to do it again: stator replay {shlex.quote(str(recording))}"]
+
+
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
@@ -232,7 +287,13 @@ def pytest_runtest_makereport(
     outcome = yield
     report = outcome.get_result()
     rack = item.stash.get(_rack_key, None)
-    if call.when != "call" or not report.failed or rack is None or rack.closed:
+    if call.when != "call" or not report.failed or rack is None:
+        return
+    item.stash[_failed_key] = True
+    if rack.closed:
+        lines = _keep_recording(item, rack)
+        if lines:
+            report.sections.append(("rack", "\n".join(lines)))
         return
     lines = [f"{rack.now:.6f} s of simulated time"]
     events = rack.events()[-_EVENTS:]
@@ -244,4 +305,5 @@ def pytest_runtest_makereport(
             lines += _keep_signals(rack, folder)
         except Exception as error:  # noqa: BLE001  the test's own failure is what counts
             lines.append(f"signals were not kept: {error}")
+    lines += _keep_recording(item, rack)
     report.sections.append(("rack", "\n".join(lines)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import xml.etree.ElementTree as ElementTree
 
 import pytest
@@ -153,3 +155,66 @@ def test_racks_on_links_do_not_clash(pytester: pytest.Pytester, workers: int) ->
     )
     result = pytester.runpytest_subprocess("-n", str(workers))
     result.assert_outcomes(passed=8)
+
+
+FAILING = """
+    import pytest
+
+    @pytest.mark.stator_rack("drive.toml")
+    def test_fails(stator_rack):
+        stator_rack.go_operational()
+        stator_rack["x"].axis[0].inputs["load_torque"] = 0.1
+        stator_rack.run(0.2)
+        assert False
+
+    @pytest.mark.stator_rack("drive.toml")
+    def test_passes(stator_rack):
+        stator_rack.run(0.1)
+"""
+
+
+def test_a_failed_test_names_its_recording(pytester: pytest.Pytester) -> None:
+    pytester.makefile(".toml", drive=ONE_DRIVE)
+    pytester.makepyfile(FAILING)
+    result = pytester.runpytest_subprocess("--basetemp", "kept")
+    result.assert_outcomes(failed=1, passed=1)
+    (line,) = [line for line in result.stdout.lines if "stator replay " in line]
+    file = line.partition("stator replay ")[2].strip()
+    replayed = subprocess.run(
+        [os.environ["STATOR_PROGRAM"], "replay", file], capture_output=True, text=True, check=False
+    )
+    assert replayed.returncode == 0, replayed.stderr
+    assert "the same to the last bit" in replayed.stdout
+    assert [each.name for each in pytester.path.glob("kept/**/*.stator")] == ["run.stator"], (
+        "only that of the failed test"
+    )
+
+
+def test_recordings_can_be_left_away(pytester: pytest.Pytester) -> None:
+    pytester.makefile(".toml", drive=ONE_DRIVE)
+    pytester.makepyfile(FAILING)
+    result = pytester.runpytest_subprocess("--no-stator-recording")
+    assert "stator replay" not in result.stdout.str()
+    pytester.makeini("[pytest]\nstator_recording = false\n")
+    result = pytester.runpytest_subprocess()
+    assert "stator replay" not in result.stdout.str()
+
+
+def test_a_rack_that_cannot_be_recorded_is_tested_all_the_same(pytester: pytest.Pytester) -> None:
+    program = pytester.makefile(".tmc", "WAIT TICKS, 0, 10\nSTOP\n")
+    pytester.makefile(
+        ".toml", module=f'[[device]]\ntype = "tmcm-142"\nname = "x"\nrs485 = "pty:line"\nprogram = "{program}"\n'
+    )
+    pytester.makepyfile(
+        """
+        import pytest
+
+        @pytest.mark.stator_rack("module.toml")
+        def test_fails(stator_rack):
+            stator_rack.run(0.1)
+            assert False
+        """
+    )
+    result = pytester.runpytest_subprocess()
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["no recording: *would lie elsewhere*"])

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import subprocess
+import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -141,6 +145,40 @@ def test_a_closed_rack_runs_no_scenario() -> None:
     rack.close()
     with pytest.raises(stator.Error, match="closed"):
         rack.run_scenario(MOVE)
+
+
+def during_a_long_scenario(rack: stator.Rack, act: Callable[[], object]) -> None:
+    """Runs a scenario that takes 500 simulated seconds, and does something in another thread when it is under way."""
+
+    over = threading.Event()
+
+    def wait_and_act() -> None:
+        while not over.is_set() and rack.now < 0.5:
+            time.sleep(0.001)
+        act()
+
+    thread = threading.Thread(target=wait_and_act)
+    thread.start()
+    try:
+        rack.run_scenario({"limit": "3600s", "plot": ["*"], "step": [{"do": "wait", "time": "100ms"}] * 5000})
+    finally:
+        over.set()
+        thread.join()
+
+
+def test_a_rack_that_is_closed_meanwhile_ends_a_scenario() -> None:
+    rack = stator.Rack("tmcm-3315", signals=())
+    with pytest.raises(stator.Error, match="closed"):
+        during_a_long_scenario(rack, rack.close)
+
+
+def test_an_interruption_ends_a_scenario_and_the_rack_goes_on() -> None:
+    with stator.Rack("tmcm-3315", signals=()) as rack:
+        with pytest.raises(KeyboardInterrupt):
+            during_a_long_scenario(rack, lambda: signal.raise_signal(signal.SIGINT))
+        before = rack.now
+        rack.run(0.1)
+        assert rack.now == pytest.approx(before + 0.1)
 
 
 def test_reports_for_people_and_for_ci() -> None:
