@@ -7,7 +7,7 @@ import textwrap
 from .pages import contents, plain
 
 FOLDER = "python"
-MODULES = ("stator", "stator.can", "stator.pytrinamic", "stator.pytest_plugin", "stator.gymnasium")
+MODULES = ("stator", "stator.can", "stator.pytrinamic", "stator.mcap", "stator.pytest_plugin", "stator.gymnasium")
 #: What a heading of a docstring in Google's style is in the pages.
 SECTIONS = {"Args": "Arguments", "Attributes": "Attributes", "Raises": "Raises", "Returns": "Returns"}
 

@@ -231,6 +231,7 @@ __all__ = ["Rack", "Slave", "missing"]
 __all__ = ["Bus"]
 ''',
     "stator/pytrinamic.py": "",
+    "stator/mcap.py": "",
     "stator/pytest_plugin.py": '''def stator_rack(request):
     """A rack."""
 
