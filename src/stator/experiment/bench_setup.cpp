@@ -77,7 +77,7 @@ BenchSetup setup_of_device(BenchDevice& device, MotorKind kind, unsigned axis) {
 
 BenchSetup setup_of_axis(std::vector<BenchDevice> devices, MotorKind kind, const BenchAxis& asked) {
   if (kind == MotorKind::three_phase) {
-    std::ranges::stable_partition(devices, [](const BenchDevice& device) {
+    std::stable_partition(devices.begin(), devices.end(), [](const BenchDevice& device) {
       return device.setup.product().identity().network == product::NetworkKind::bus;
     });
   }
