@@ -195,10 +195,9 @@ void read_file(const settings::Value& tree, const std::string& name, File& file,
 }
 
 /// A scenario file of which nothing was read.
-ScenarioRead unread(const std::string& name, const rack::RackFileError& error) {
+ScenarioRead unread(const std::string& file, const rack::RackFileError& error) {
   ScenarioRead read;
-  read.scenario.file = name;
-  read.scenario.name = std::filesystem::path(name).stem().string();
+  read.scenario.file = file;
   read.errors.push_back(error.problem());
   return read;
 }
@@ -262,7 +261,9 @@ ScenarioRead read_scenario_file(const std::string& path, const product::Catalogu
   try {
     return parse_scenario(rack::read_rack_text(path, "scenario file"), path, catalogue, changes);
   } catch (const rack::RackFileError& error) {
-    return unread(path, error);
+    ScenarioRead read = unread(path, error);
+    read.scenario.name = std::filesystem::path(path).stem().string();
+    return read;
   }
 }
 
