@@ -3,6 +3,8 @@
 #   source scripts/lib/checks.sh
 #   select_checks "$@"            --list, --only NAME (a part of the name; may stand several times)
 #   check "tests" scripts/test    runs the rest of the line unless it is not wanted
+#   check_beside "pages" script   the same, beside the checks that follow: for what waits more than it computes
+#   join_checks                   waits for those, and shows what they said; end_checks does so, too
 #   end_checks                    what those that failed said, what tests left out, a table of times, and the exit status
 #
 # After select_checks, `rest` holds the arguments that it did not know.
@@ -11,6 +13,7 @@
 
 checks_passed=()
 checks_failed=()
+checks_beside=()
 checks_said=$(mktemp -d)
 checks_only=()
 checks_list=false
@@ -70,10 +73,14 @@ check() {
     set -e
     "$@"
   ) 2>&1 | tee "$said"
-  local status=${PIPESTATUS[0]} seconds
+  local status=${PIPESTATUS[0]}
   set -e
-  seconds=$((SECONDS - start))
-  used=$(($(processor_seconds) - used))
+  note_check "$status" $((SECONDS - start)) $(($(processor_seconds) - used)) "$name"
+}
+
+# What became of a check: its exit status, seconds, seconds of all processors, name.
+note_check() {
+  local status=$1 seconds=$2 used=$3 name=$4
   if ((status == 0)); then
     checks_passed+=("$seconds $used $name")
     printf -- '-- %s: passed in %d s\n' "$name" "$seconds"
@@ -83,8 +90,44 @@ check() {
   fi
 }
 
+check_beside() {
+  local name=$1
+  shift
+  if $checks_list; then
+    printf '%s\n' "$name"
+    return
+  fi
+  is_wanted "$name" || return 0
+  printf '\n== %s begins, beside what follows\n' "$name"
+  local said="$checks_said/${name//\//_}"
+  (
+    trap 'printf "%d" "$SECONDS" >"$said.end"' EXIT
+    set -e
+    "$@"
+  ) >"$said" 2>&1 &
+  checks_beside+=("$! $SECONDS $name")
+}
+
+join_checks() {
+  local each process start name said status used
+  for each in "${checks_beside[@]}"; do
+    read -r process start name <<<"$each"
+    said="$checks_said/${name//\//_}"
+    printf '\n== %s\n' "$name"
+    # The processors' time of a process is counted when it is waited for.
+    used=$(processor_seconds)
+    status=0
+    wait "$process" || status=$?
+    cat "$said"
+    note_check "$status" $(($(<"$said.end") - start)) $(($(processor_seconds) - used)) "$name"
+    rm "$said.end"
+  done
+  checks_beside=()
+}
+
 end_checks() {
   $checks_list && exit 0
+  join_checks
   local each name
   for each in "${checks_failed[@]}"; do
     name=${each#* * }

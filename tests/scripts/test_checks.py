@@ -3,6 +3,7 @@
 import pathlib
 import re
 import subprocess
+import tempfile
 import unittest
 
 CHECKS = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "lib" / "checks.sh"
@@ -53,7 +54,13 @@ class Checks(unittest.TestCase):
 
     def test_the_table_has_the_slowest_first(self):
         table = run().stdout.split("== seconds, and seconds of all processors\n")[1].splitlines()
-        self.assertRegex(table[0], r"^ +[1-9]\d* +[1-9]\d*   a slow one$")
+        rows = [row.groups() for row in (re.fullmatch(r" *(\d+) +(\d+)   (.*)", line) for line in table) if row]
+        seconds = [int(row[0]) for row in rows if row[2].strip() != "together"]
+        self.assertEqual(len(seconds), 4)
+        self.assertEqual(seconds, sorted(seconds, reverse=True))
+        slow = next(row for row in rows if row[2] == "a slow one")
+        self.assertGreaterEqual(int(slow[0]), 1)
+        self.assertGreaterEqual(int(slow[1]), 1)
         self.assertRegex("\n".join(table), r"\d+ +\d+   one/that fails FAILED\n")
         self.assertRegex("\n".join(table), r"\d+ +[1-9]\d*   together\n")
 
@@ -81,6 +88,49 @@ class Checks(unittest.TestCase):
 
     def test_other_arguments_are_left_to_the_script(self):
         self.assertIn("rest: --seconds 5", run("--only", "passes", "--seconds", "5").stdout)
+
+
+BESIDE = """
+set -euo pipefail
+source {checks}
+select_checks "$@"
+waits() {{
+  until test -e {mark}; do sleep 0.01; done
+  echo "it has seen the mark"
+  "$1"
+  echo "said if it passed"
+}}
+check_beside "one beside" waits true
+check_beside "one that fails beside" waits false
+check "a mark" touch {mark}
+join_checks
+check "a later one" echo later
+end_checks
+"""
+
+
+class ChecksBesideOthers(unittest.TestCase):
+    def run_beside(self, *arguments):
+        with tempfile.TemporaryDirectory() as folder:
+            script = BESIDE.format(checks=CHECKS, mark=pathlib.Path(folder) / "mark")
+            return subprocess.run(
+                ["bash", "-c", script, "checks", *arguments], text=True, capture_output=True, timeout=60, check=False
+            )
+
+    def test_they_run_beside_those_that_follow_and_are_shown_when_they_are_joined(self):
+        done = self.run_beside()
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        said = done.stdout
+        self.assertLess(said.index("== one beside begins"), said.index("== a mark\n"))
+        self.assertLess(said.index("== a mark\n"), said.index("it has seen the mark"))
+        self.assertLess(said.index("it has seen the mark"), said.index("== a later one\n"))
+        self.assertEqual(said.splitlines()[-2:], ["failed: one that fails beside", "3 passed, 1 failed"])
+        self.assertEqual(said.count("said if it passed"), 1)
+        self.assertRegex(said, r"-- one beside: passed in \d+ s\n")
+
+    def test_list_names_them_and_only_leaves_them_out(self):
+        self.assertIn("one beside\n", self.run_beside("--list").stdout)
+        self.assertEqual(self.run_beside("--only", "later").stdout.splitlines()[-1], "1 passed, 0 failed")
 
 
 if __name__ == "__main__":
