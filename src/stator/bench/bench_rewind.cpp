@@ -10,13 +10,13 @@ namespace stator::bench {
 std::shared_ptr<const Bench::Memory> Bench::remember() const {
   auto memory = std::make_shared<Memory>(Memory{.clock = clock_, .events_before = events_before_});
   for (const auto& each : segments_) {
-    memory->segments.push_back(
-        {.master = std::make_unique<master::Master>(each->port, each->master),
-         .scanned = each->scanned,
-         .lost_before = each->lost_before,
-         .emergencies = each->emergencies,
-         .mailboxes = each->mailboxes,
-         .late = each->port.late()});
+    Memory::Segment& known = memory->segments.emplace_back();
+    known.master = std::make_unique<master::Master>(each->port, each->master);
+    known.scanned = each->scanned;
+    known.lost_before = each->lost_before;
+    known.emergencies = each->emergencies;
+    known.mailboxes = each->mailboxes;
+    known.late = each->port.late();
   }
   for (const auto& each : buses_) {
     memory->buses.push_back(
