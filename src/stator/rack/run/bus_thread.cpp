@@ -142,8 +142,13 @@ std::size_t BusThread::receive(OutsidePort& port, std::span<can::Frame> frames) 
 }
 
 // Devices are brought to a frame before it passes: its time is the master's.
+// Each frame may move time by a cycle, and a cycle may take long to record: who is asked to end
+// does not wait for all of them.
 void BusThread::put_in_lockstep(OutsidePort& port, std::span<const can::Frame> frames) {
   for (const can::Frame& frame : frames) {
+    if (shared_.stopping) {
+      return;
+    }
     const SimTime arrival = shared_.lockstep_clock.on_frame(frame);
     shared_.rack.advance(arrival);
     port.port->put(frame);
