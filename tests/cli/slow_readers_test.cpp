@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -33,8 +34,8 @@ using ::testing::Not;
 
 /// For what has to happen, on however slow a machine.
 constexpr std::chrono::seconds kLongEnough{60};
-/// Of the 64 KiB that a pipe takes.
-constexpr int kNearlyAPipe = 60'000;
+/// How often in a row a program that moves no further is looked at.
+constexpr int kStandsStill = 50;
 
 /// A CANopen master's end of a pseudo-terminal with CAN frames as text.
 class Programmer {
@@ -286,15 +287,18 @@ TEST_F(SlowReaders, InLockstepAreWaitedForUntilTheEndIsAskedFor) {
             "[record]\nfile = \"" + file("csv") + "\"\nperiod = \"1us\"\nsignals = [\"*\"]\n",
             "--clock lockstep"));
   const Programmer programmer(file("can"));
-  // Each moves time, by far more rows than the queue has room for; on a busy machine the program
-  // first has to come to them.
+  // Each moves time, by far more rows than the queue has room for, until the program takes none any
+  // more and the reader's pipe is as it was.
   const auto limit = std::chrono::steady_clock::now() + kLongEnough;
-  for (int i = 0; (i < 2000 || unread_bytes(csv_reader) < kNearlyAPipe) &&
-                  std::chrono::steady_clock::now() < limit;
-       ++i) {
-    if (!programmer.say("t0800\r")) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  int unread = 0;
+  for (int still = 0; still < kStandsStill && std::chrono::steady_clock::now() < limit;) {
+    if (programmer.say("t0800\r")) {
+      still = 0;
+      continue;
     }
+    const int before = std::exchange(unread, unread_bytes(csv_reader));
+    still = unread > 0 && unread == before ? still + 1 : 0;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_EQ(end(), 1);
   EXPECT_THAT(log(), Not(HasSubstr("what comes is not taken quickly enough")));
