@@ -132,10 +132,11 @@ void BusMaster::displace() {
   if (awaited_) {
     thread_.withhold(std::exchange(awaited_, {}), until);
   }
-  for (const auto& [axis, instruction] : std::exchange(owed_, {})) {
+  for (const auto& [axis, owed] : std::exchange(owed_, {})) {
     const product::TmclAddress module = *members_[axis.first].tmcl;
+    const tmcl::Instruction instruction = owed;
     thread_.withhold(
-        [module, instruction = instruction](const can::Frame& frame) {
+        [module, instruction](const can::Frame& frame) {
           const auto reply = reply_of(module, frame);
           return reply && reply->command == instruction.command &&
                  reply->value == instruction.value;
