@@ -56,14 +56,16 @@ is_wanted() {
   return 1
 }
 
+# The same, for a check itself: it is named where names are asked for.
+is_to_run() {
+  $checks_list && printf '%s\n' "$1"
+  is_wanted "$1"
+}
+
 check() {
   local name=$1
   shift
-  if $checks_list; then
-    printf '%s\n' "$name"
-    return
-  fi
-  is_wanted "$name" || return 0
+  is_to_run "$name" || return 0
   printf '\n== %s\n' "$name"
   local said="$checks_said/${name//\//_}" start=$SECONDS used
   used=$(processor_seconds)
@@ -93,11 +95,7 @@ note_check() {
 check_beside() {
   local name=$1
   shift
-  if $checks_list; then
-    printf '%s\n' "$name"
-    return
-  fi
-  is_wanted "$name" || return 0
+  is_to_run "$name" || return 0
   printf '\n== %s begins, beside what follows\n' "$name"
   local said="$checks_said/${name//\//_}"
   (
