@@ -18,7 +18,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "own_device.hpp"
+#include "device_behaviour.hpp"
 #include "recording.hpp"
 #include "signal_store.hpp"
 #include "stator/base/sim_time.hpp"
