@@ -44,7 +44,7 @@ class RunningRack : public ::testing::Test {
     command += STATOR_PROGRAM;
     command += " run " + rack + " --http 127.0.0.1:0 " + options + " >" + log_ + " 2>&1 </dev/null";
     process_ = tests::ChildProcess::run({"/bin/sh", "-c", command});
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
     std::string text;
     do {
       ASSERT_LT(std::chrono::steady_clock::now(), end) << text;

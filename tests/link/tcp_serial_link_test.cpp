@@ -68,7 +68,7 @@ class TcpSerialLinkTest : public testing::TestWithParam<WaitMode> {
   /// What the link receives until it has `length` bytes.
   [[nodiscard]] Bytes receive(std::size_t length) const {
     Bytes bytes;
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
     while (bytes.size() < length && std::chrono::steady_clock::now() < deadline) {
       std::array<std::byte, 100> buffer{};
       const auto got = link_->receive(buffer, 10_ms);

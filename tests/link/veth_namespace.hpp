@@ -67,7 +67,7 @@ class VethNamespace {
   /// The kernel connects the ends in the background; what is sent before is lost. False if that
   /// takes longer than anybody can wait.
   static bool wait_for_carrier() {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
     while (std::chrono::steady_clock::now() < deadline) {
       const auto interfaces = network_interfaces();
       if (std::ranges::count(interfaces, true, &NetworkInterface::running) >= 2) {

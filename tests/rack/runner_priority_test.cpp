@@ -1,6 +1,5 @@
 // The real-time priority of a runner's threads.
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -17,6 +16,7 @@
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
+#include "base/wait_for.hpp"
 #include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
 #include "stator/link/ethernet/machine.hpp"
@@ -33,19 +33,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr int kPriority = 7;
-
-/// Asks again and again for ten seconds at most.
-template <typename Condition>
-bool comes_true(const Condition& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) {
-      return false;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 struct Threads {
   unsigned in_real_time = 0;  ///< with kPriority
@@ -113,7 +100,7 @@ TEST_F(RunnerPriority, ThreadsThatAnswerHaveItAndNoOthers) {
   EXPECT_GT(others, before) << "the thread that writes kept files";
   runner.start();
   const Threads expected{.in_real_time = 4, .others = others};
-  EXPECT_TRUE(comes_true([&] { return threads() == expected; }))
+  EXPECT_TRUE(tests::wait_for([&] { return threads() == expected; }))
       << threads().in_real_time << " in real time, " << threads().others << " others, "
       << threads().strange << " strange";
   runner.stop();
@@ -149,7 +136,7 @@ TEST_F(RunnerPriority, AMutexLendsItsHolderThePriorityOfWhoWaits) {
     EXPECT_TRUE(link::run_in_real_time(kPriority));
     const std::scoped_lock lock(mutex);
   });
-  EXPECT_TRUE(comes_true([&] { return priority_of_this_thread() == -kPriority - 1; }));
+  EXPECT_TRUE(tests::wait_for([&] { return priority_of_this_thread() == -kPriority - 1; }));
   held.unlock();
   waits.join();
   EXPECT_GE(priority_of_this_thread(), 0);

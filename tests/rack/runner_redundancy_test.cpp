@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 
 #include <gtest/gtest.h>
 
+#include "base/wait_for.hpp"
 #include "link/veth_namespace.hpp"
 #include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
@@ -31,7 +31,7 @@ class RunnerRedundancy : public ::testing::Test {
     ASSERT_TRUE(network_->ip("link add name stator2 type veth peer name stator3"));
     ASSERT_TRUE(network_->ip("link set stator2 up"));
     ASSERT_TRUE(network_->ip("link set stator3 up"));
-    ASSERT_TRUE(within_seconds([] {
+    ASSERT_TRUE(tests::wait_for([] {
       return std::ranges::count(link::network_interfaces(), true,
                                 &link::NetworkInterface::running) >= 4;
     }));
@@ -56,16 +56,6 @@ class RunnerRedundancy : public ::testing::Test {
   static std::unique_ptr<link::RawEthernetLink> open(const std::string& interface) {
     auto opened = link::RawEthernetLink::open({.interface = interface});
     return opened ? std::move(*opened) : nullptr;
-  }
-  template <typename Condition>
-  static bool within_seconds(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > deadline) {
-        return false;
-      }
-    }
-    return true;
   }
   /// The working counter of a broadcast read sent by `out` and received by `in`; -1 if it does not
   /// come.
@@ -95,9 +85,9 @@ TEST_F(RunnerRedundancy, WholeRing_FramesComeOutAtTheOtherInterface) {
 
 TEST_F(RunnerRedundancy, InterfaceWithoutCarrier_TurnsTheFramesOfTheOther) {
   ASSERT_TRUE(network_->ip("link set stator0 down"));
-  EXPECT_TRUE(within_seconds([this] { return pass(*secondary_, *secondary_, 10_ms) == 2; }));
+  EXPECT_TRUE(tests::wait_for([this] { return pass(*secondary_, *secondary_, 10_ms) == 2; }));
   ASSERT_TRUE(network_->ip("link set stator0 up"));
-  EXPECT_TRUE(within_seconds([this] { return pass(*primary_, *secondary_, 10_ms) == 2; }));
+  EXPECT_TRUE(tests::wait_for([this] { return pass(*primary_, *secondary_, 10_ms) == 2; }));
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
 // Serial lines of TMCL modules over pseudo-terminal and TCP, in real time and in lockstep.
 #include "stator/rack/run/serial_line_thread.hpp"
 
-#include <chrono>
 #include <filesystem>
 #include <sstream>
-#include <thread>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -16,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/temporary_directory.hpp"
+#include "base/wait_for.hpp"
 #include "rack/test_serial_device.hpp"
 #include "rack/text_log.hpp"
 #include "stator/devices/catalogue/products.hpp"
@@ -231,11 +230,8 @@ TEST_F(SerialLineThreadTest, InLockstepADeviceThatLooksInItsPeriodMovesNoTime) {
   start({Settings{.at_once = false}});
   const link::FileDescriptor client = program();
   program_sends(client, question(1));
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (runner_->line(0).statistics().line.bytes_in < tmcl::kTelegramLength &&
-         std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::yield();
-  }
+  EXPECT_TRUE(tests::wait_for(
+      [this] { return runner_->line(0).statistics().line.bytes_in >= tmcl::kTelegramLength; }));
   EXPECT_EQ(runner_->now(), base::SimTime());
 }
 
@@ -246,11 +242,8 @@ TEST_F(SerialLineThreadTest, LostBytesAreToldOnce) {
   for (int i = 0; i < 10; ++i) {
     program_sends(client, Bytes(500));  // a pty takes them as the line's thread reads them
   }
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (runner_->line(0).statistics().line.bytes_in < 5000 &&
-         std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::yield();
-  }
+  EXPECT_TRUE(
+      tests::wait_for([this] { return runner_->line(0).statistics().line.bytes_in >= 5000; }));
   runner_->stop();
   EXPECT_EQ(runner_->line(0).statistics().line.bytes_lost, 5000 - SerialLine::kQueuedBytes);
   const std::string told = text_.str();
