@@ -49,7 +49,10 @@ class OwnDevice : public Firmware, public Behaviour {
  protected:
   OwnDevice(const FirmwareOutline& firmware, const std::shared_ptr<const Outline>& outline,
             const Make& make, std::shared_ptr<DeviceFailure> failure, base::EventReporter reporter)
-      : Firmware(firmware, reporter), Behaviour(outline, make, std::move(failure)) {
+      : Firmware(firmware, reporter), Behaviour(outline, make, std::move(failure)) {}
+  /// A device's own constructor calls it: functions of Python may send emergencies, which a base
+  /// class's constructor cannot reach.
+  void begin() {
     connect();
     start(base::SimTime());
   }
@@ -76,7 +79,9 @@ class SegmentDevice final : public OwnDevice<product::EtherCatFirmware, product:
                    .period = outline->period,
                    .coe = configuration.coe,
                    .quirks = configuration.quirks},
-                  outline, make, std::move(failure), reporter) {}
+                  outline, make, std::move(failure), reporter) {
+    begin();
+  }
 
  private:
   void restart(base::SimTime now) override { start(now); }
@@ -99,6 +104,7 @@ class BusDevice final : public OwnDevice<product::CanOpenFirmware, product::CanO
                    .period = outline->period,
                    .bit_rate = outline->bit_rate},
                   outline, make, std::move(failure), reporter) {
+    begin();
     const std::array<std::int64_t, 1> bit_rates{outline->bit_rate / 1000};
     eds_ = canopen::eds_text(objects(), {.file_name = outline->type + ".eds",
                                          .title = outline->name,

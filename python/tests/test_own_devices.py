@@ -218,3 +218,22 @@ def test_many_in_one_rack_and_in_real_time_leave_nothing_behind() -> None:
     gc.collect()
     assert not any(own() is not None for own in owns)
     assert threading.active_count() == threads
+
+
+@pytest.mark.parametrize(("base", "network"), [(stator.CanOpenDevice, "bus"), (stator.EtherCatDevice, "segment")])
+def test_a_device_may_report_an_error_when_it_starts(base: type[stator.OwnDevice], network: str) -> None:
+    starts = []
+
+    class Alarming(base):  # type: ignore[misc, valid-type]
+        type = "alarming"
+        name = "ALARMING"
+        objects = (stator.Object(0x2000, "Setting", "unsigned16", default=3, pdo="transmit"),)
+
+        def start(self) -> None:
+            self.emergency(0x1000, 0x01, b"start")
+            starts.append((self[0x2000], self.state))
+
+    rack = stator.Rack({network: [{"device": [{"type": "alarming", "name": "alarming"}]}]}, products=[Alarming])
+    rack.run(0.01)
+    assert starts
+    assert starts[0][0] == 3
