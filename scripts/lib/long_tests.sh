@@ -1,5 +1,5 @@
 # Tests that let motors turn, programs run or texts be read for many simulated seconds. Their rooms have short ones, which take
-# the same paths through memory; below a sanitizer these here take longer than all others together, so .ci/run leaves
+# the same paths through memory; below a sanitizer these here take more than a third of all tests' time, so .ci/run leaves
 # them to the release build and scripts/nightly runs them. Sourced by scripts that run tests below sanitizers:
 #
 #   source scripts/lib/long_tests.sh
