@@ -115,6 +115,7 @@ Content decode(DataType type, std::span<const std::byte> bytes) {
     case DataType::visible_string:
       return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     case DataType::octet_string:
+    case DataType::unicode_string:
     case DataType::domain:
       return std::vector<std::byte>(bytes.begin(), bytes.end());
     case DataType::real32:
@@ -135,6 +136,7 @@ std::optional<std::vector<std::byte>> encode(DataType type, const Content& conte
     case DataType::visible_string:
       return encode_text(content);
     case DataType::octet_string:
+    case DataType::unicode_string:
     case DataType::domain:
       return encode_bytes(content);
     case DataType::real32:

@@ -32,6 +32,40 @@ base::StaticText to_text(DataType type) {
       return "INTEGER64";
     case DataType::unsigned64:
       return "UNSIGNED64";
+    case DataType::integer24:
+      return "INTEGER24";
+    case DataType::integer40:
+      return "INTEGER40";
+    case DataType::integer48:
+      return "INTEGER48";
+    case DataType::integer56:
+      return "INTEGER56";
+    case DataType::unsigned24:
+      return "UNSIGNED24";
+    case DataType::unsigned40:
+      return "UNSIGNED40";
+    case DataType::unsigned48:
+      return "UNSIGNED48";
+    case DataType::unsigned56:
+      return "UNSIGNED56";
+    case DataType::unicode_string:
+      return "UNICODE_STRING";
+    case DataType::time_of_day:
+      return "TIME_OF_DAY";
+    case DataType::time_difference:
+      return "TIME_DIFFERENCE";
+    case DataType::bit2:
+      return "BIT2";
+    case DataType::bit3:
+      return "BIT3";
+    case DataType::bit4:
+      return "BIT4";
+    case DataType::bit5:
+      return "BIT5";
+    case DataType::bit6:
+      return "BIT6";
+    case DataType::bit7:
+      return "BIT7";
   }
   return "?";
 }

@@ -43,6 +43,8 @@ class AxisUnit {
   /// The PWM period that begins at `now`.
   void step(base::SimTime now);
   void set_network_operational(bool operational, base::SimTime now);
+  /// See DriveObjects.
+  void set_velocity_units(double units) { objects_.set_velocity_units(units); }
   /// Brings up to date what process data may carry.
   void refresh_objects() { registers_.refresh(); }
 

@@ -95,6 +95,7 @@ void DriveObjects::configure_profile(drive::FocSettings& settings) const {
   settings.counts_per_revolution =
       at_least_one(increments_.get() / at_least_one(revolutions_.get()));
   settings.polarity = polarity_.get();
+  settings.velocity_units = velocity_units_;
   settings.rated_current = at_least_one(rated_current_.get());
   settings.maximum_torque = maximum_torque_.get();
   settings.maximum_current = maximum_current_.get();

@@ -14,6 +14,9 @@ class DriveObjects {
   explicit DriveObjects(const dictionary::Dictionary& dictionary);
 
   void configure(drive::FocAxis& axis) const;
+  /// Units of velocity objects in a revolution per second, see drive::FocSettings; rpm if nobody
+  /// says otherwise.
+  void set_velocity_units(double units) { velocity_units_ = units; }
 
  private:
   void configure_profile(drive::FocSettings& settings) const;
@@ -60,6 +63,7 @@ class DriveObjects {
   Variable<std::uint32_t> hard_stop_current_;         // 2055h:01, mA
   Variable<std::int32_t> positive_clearance_;         // 2055h:02
   Variable<std::int32_t> negative_clearance_;         // 2055h:03
+  double velocity_units_ = drive::MotionUnits::kSecondsPerMinute;
 };
 
 }  // namespace stator::devices::tmc8670

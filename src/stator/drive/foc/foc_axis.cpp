@@ -21,7 +21,7 @@ constexpr std::uint8_t kPositionPolarity = 0x80;
 constexpr std::uint8_t kVelocityPolarity = 0x40;
 constexpr std::uint32_t kDegrees = 360;  // of a revolution
 constexpr std::int64_t kMilliseconds = 1'000'000;
-constexpr double kSecondsPerMinute = 60.0;
+constexpr double kSecondsPerMinute = MotionUnits::kSecondsPerMinute;
 
 /// Seen in the block and remembered until the fault reset.
 constexpr AxisErrors kShorts{AxisError::overcurrent_a, AxisError::overcurrent_c};
@@ -62,12 +62,15 @@ void FocAxis::configure() {
     feedback_.set_scale(kBlockCounts, counts_, reversed_);
   }
   settings_.velocity_reversed = reversed != ((foc_settings_.polarity & kVelocityPolarity) != 0);
-  settings_.units = MotionUnits::rotational(
-      counts_, std::min(foc_settings_.maximum_speed, foc_settings_.maximum_profile_velocity),
-      foc_settings_.maximum_acceleration);
+  const double units_per_rpm = foc_settings_.velocity_units / kSecondsPerMinute;
+  settings_.units =
+      MotionUnits::rotational(counts_,
+                              std::min(foc_settings_.maximum_speed * units_per_rpm,
+                                       static_cast<double>(foc_settings_.maximum_profile_velocity)),
+                              foc_settings_.maximum_acceleration, foc_settings_.velocity_units);
   const MotionUnits& units = settings_.units;
   settings_.position_end = {.distance = std::max<std::int64_t>(counts_ / kDegrees, 1),
-                            .velocity = units.pps(foc_settings_.standstill)};
+                            .velocity = pps_of_rpm(foc_settings_.standstill)};
   settings_.velocity_window = foc_settings_.velocity_window != 0
                                   ? units.pps(foc_settings_.velocity_window)
                                   : std::numeric_limits<double>::infinity();
@@ -92,7 +95,7 @@ void FocAxis::begin_period(base::SimTime now) {
   const bool free = !power_.bridge_enabled() || !commutation_.known();
   motion_.follow_shaft({.position = feedback_.position(),
                         .velocity = actual_velocity(),
-                        .standstill = settings_.units.pps(foc_settings_.standstill),
+                        .standstill = pps_of_rpm(foc_settings_.standstill),
                         .lead = position_lead(),
                         .free = free});
 }
@@ -312,6 +315,12 @@ double FocAxis::tapered(double torque) const {
   return torque * std::clamp(share, 0.0, 1.0);
 }
 
+// In this order of operations, which decides bits, it is what MotionUnits does where objects count
+// rpm.
+double FocAxis::pps_of_rpm(double rpm) const {
+  return rpm / (kSecondsPerMinute / counts_);
+}
+
 double FocAxis::rpm() const {
   return reversed_ ? -rpm_ : rpm_;
 }
@@ -324,7 +333,7 @@ Axis::StageStatus FocAxis::stage_status() const {
 }
 
 double FocAxis::actual_velocity() const {
-  return settings_.units.pps(rpm());
+  return pps_of_rpm(rpm());
 }
 
 double FocAxis::torque_current() const {

@@ -132,6 +132,7 @@ class FocAxis final : public Axis {
   [[nodiscard]] std::int32_t signed_block_current(double amperes) const;
   [[nodiscard]] double tapered(double torque) const;
   [[nodiscard]] double rpm() const;
+  [[nodiscard]] double pps_of_rpm(double rpm) const;
   [[nodiscard]] double demanded_torque() const;
   [[nodiscard]] std::int16_t torque_object(double amperes) const;
   [[nodiscard]] SwitchLevels switch_levels_of_block() const;

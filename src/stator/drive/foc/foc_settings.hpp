@@ -5,6 +5,7 @@
 
 #include "stator/base/sim_time.hpp"
 #include "stator/drive/motion/axis_settings.hpp"
+#include "stator/drive/motion/motion_units.hpp"
 
 namespace stator::drive {
 
@@ -33,6 +34,9 @@ struct CommutationSettings {
 struct FocSettings {
   std::uint32_t counts_per_revolution = 65536;  ///< position units, 608Fh:01 / 608Fh:02; > 0
   std::uint8_t polarity = 0;                    ///< 607Eh: bit 7 position, bit 6 velocity
+  /// Units of velocity objects in a revolution per second, of acceleration objects in one per
+  /// second squared; > 0. "rpm" below means such a unit.
+  double velocity_units = MotionUnits::kSecondsPerMinute;
 
   double current_per_step = 1e-3;          ///< A of one LSB of PID_TORQUE_ACTUAL
   std::uint32_t rated_current = 1000;      ///< 6075h, mA RMS; > 0
@@ -40,10 +44,11 @@ struct FocSettings {
   std::uint16_t maximum_current = 1000;    ///< 6073h, per mille of the rated current
   std::int32_t torque_flux_limit = 32767;  ///< bound of PID_TORQUE_FLUX_LIMITS (2031h:01)
 
-  std::uint32_t maximum_speed = 4000;                                              ///< 6080h, rpm
-  std::uint32_t maximum_profile_velocity = 4000;                                   ///< 607Fh, rpm
+  std::uint32_t maximum_speed = 4000;             ///< 6080h, rpm in any case
+  std::uint32_t maximum_profile_velocity = 4000;  ///< 607Fh, rpm
   std::uint32_t maximum_acceleration = std::numeric_limits<std::uint32_t>::max();  ///< rpm/s
-  std::uint32_t velocity_limit = 2147483647;  ///< bound of PID_VELOCITY_LIMIT (2031h:03), rpm
+  std::uint32_t velocity_limit =
+      2147483647;  ///< bound of PID_VELOCITY_LIMIT (2031h:03), rpm in any case
 
   double volts_per_step = 1e-3;     ///< V of one step of ADC_VM_RAW above `voltage_offset`
   std::int32_t voltage_offset = 0;  ///< ADC_VM_RAW at 0 V
@@ -55,7 +60,7 @@ struct FocSettings {
   std::uint16_t velocity_window_time = 0;     ///< 606Eh, ms
   std::uint16_t velocity_threshold = 0;       ///< 606Fh, rpm
   std::uint16_t velocity_threshold_time = 0;  ///< 6070h, ms
-  std::uint16_t standstill = 5;               ///< rpm below which the shaft counts as standing
+  std::uint16_t standstill = 5;  ///< rpm in any case; below it the shaft counts as standing
 
   CommutationSettings commutation;
 };

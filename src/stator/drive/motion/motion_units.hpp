@@ -19,6 +19,10 @@ namespace stator::drive {
 /// product forbids, is clipped here.
 class MotionUnits {
  public:
+  /// Of a servo axis' velocity objects per revolution per second, and of its acceleration objects
+  /// the same per second: rpm.
+  static constexpr double kSecondsPerMinute = 60.0;
+
   // What the TMC4361 can hold in its frequency mode: 23 and 22 integer bits.
   static constexpr double kMaximumVelocity = 8'388'607.0;      ///< pps
   static constexpr double kMaximumAcceleration = 4'194'303.0;  ///< pps/s
@@ -29,12 +33,15 @@ class MotionUnits {
   static constexpr MotionUnits internal() {
     return {256.0, 4.0, kMaximumVelocity, kMaximumAcceleration};
   }
-  /// rpm and rpm/s of a motor whose position has `resolution` (more than 0) increments per
-  /// revolution, with the largest velocity and acceleration that any ramp may use.
-  static constexpr MotionUnits rotational(double resolution, double maximum_rpm,
-                                          double maximum_rpm_per_second) {
-    const double scale = kSecondsPerMinute / resolution;
-    return {scale, scale, maximum_rpm / scale, maximum_rpm_per_second / scale};
+  /// Objects of a motor whose position has `resolution` (more than 0) increments per revolution,
+  /// with the largest velocity and acceleration (as the objects have them) that any ramp may use.
+  /// `per_revolution` (more than 0) units of velocity are a revolution per second, and the same of
+  /// acceleration a revolution per second squared.
+  static constexpr MotionUnits rotational(double resolution, double maximum_velocity,
+                                          double maximum_acceleration,
+                                          double per_revolution = kSecondsPerMinute) {
+    const double scale = per_revolution / resolution;
+    return {scale, scale, maximum_velocity / scale, maximum_acceleration / scale};
   }
 
   [[nodiscard]] double maximum_velocity() const { return maximum_velocity_; }          ///< pps
@@ -64,8 +71,6 @@ class MotionUnits {
   }
 
  private:
-  static constexpr double kSecondsPerMinute = 60.0;
-
   constexpr MotionUnits(double velocity_scale, double acceleration_scale, double maximum_velocity,
                         double maximum_acceleration)
       : velocity_scale_(velocity_scale),

@@ -32,7 +32,6 @@ constexpr base::EventRule kHostInterface{
     "built; no state is reached and no mailbox answers until a master writes an image with 05h "
     "and its checksum and reloads it (0400h to 0502h) or resets the device"};
 
-constexpr unsigned kSpiSlave = 0x05;         ///< the one PDI type that is built
 constexpr unsigned kNoHostInterface = 0x00;  ///< on purpose, with device emulation
 
 }  // namespace
@@ -40,7 +39,7 @@ constexpr unsigned kNoHostInterface = 0x00;  ///< on purpose, with device emulat
 /// Switches the host interface on if the EEPROM configures it, else off, and shows that in 0x014E.
 void SlaveController::open_host_interface() {
   const auto type = std::to_integer<unsigned>(memory_[kPdiControl]);
-  host_open_ = loaded_ && type == kSpiSlave;
+  host_open_ = loaded_ && type == configuration_.host_interface;
   const bool wanted = type != kNoHostInterface || !register_bit(kEscConfiguration, 0);
   if (loaded_ && !host_open_ && wanted) {
     reporter_.report(now_, kHostInterface, {type});

@@ -316,8 +316,8 @@ void SlaveController::update_sync_managers(std::uint32_t address, std::size_t le
 void SlaveController::configure_sync_manager(std::size_t channel) {
   const std::size_t base = kSyncManagers + channel * SyncManager::kRegisterLength;
   SyncManager& manager = sync_managers_[channel];
-  manager.configure(registers().subspan(base).first<SyncManager::kRegisterLength>(),
-                    memory_.size());
+  manager.configure(registers().subspan(base).first<SyncManager::kRegisterLength>(), memory_.size(),
+                    configuration_.one_byte_sync_managers);
   al_event_request_ &= ~al_event::sync_manager(static_cast<unsigned>(channel));
   set_ecat_event(ecat_event::sync_manager(channel), false);
   publish_sync_manager(channel);

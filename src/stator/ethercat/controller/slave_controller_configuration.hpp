@@ -37,7 +37,12 @@ struct SlaveControllerConfiguration {
   ControllerFeature answered_features = ControllerFeature::always;
   std::uint8_t sync_latch_reset = 0x66;  ///< 0x0151 until the EEPROM is loaded
 
-  bool device_emulation = false;  ///< pin PDI_EMULATION: AL status follows AL control
+  /// Sync managers of one byte have buffers like any other, as in the controllers that digital
+  /// terminals are built with. False: one that triggers the watchdog does nothing else, others are
+  /// too short (datasheet of the TMC8461).
+  bool one_byte_sync_managers = false;
+  std::uint8_t host_interface = 0x05;  ///< the type that is built (SII word 0): an SPI slave
+  bool device_emulation = false;       ///< pin PDI_EMULATION: AL status follows AL control
   /// A completed reset sequence (0x0040, 0x0041) only raises RESET_OUT; the board leads it back to
   /// NRESET, which is power_on_reset(). False: that loop is closed inside.
   bool reset_by_board = false;

@@ -72,7 +72,7 @@ struct SiiPdo {
   std::uint16_t index = 0;
   std::uint8_t sync_manager = 0;  ///< FFh: not assigned by default
   std::string name;
-  std::vector<Entry> entries;
+  std::vector<Entry> entries{};
 };
 
 /// One sync manager as a category lists it.

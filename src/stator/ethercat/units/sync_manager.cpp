@@ -6,7 +6,7 @@
 namespace stator::ethercat {
 
 void SyncManager::configure(std::span<const std::byte, kRegisterLength> registers,
-                            std::size_t memory_end) {
+                            std::size_t memory_end, bool one_byte) {
   *this = SyncManager();
   const std::span<const std::byte> bytes = registers;
   const auto control = std::to_integer<unsigned>(bytes[4]);
@@ -28,8 +28,8 @@ void SyncManager::configure(std::span<const std::byte, kRegisterLength> register
     condition_ = Condition::bad_mode;
     return;
   }
-  const bool only_trigger = length_ == 1 && watchdog_trigger_ && bus_writes_;
-  const bool long_enough = length_ > 1 || only_trigger;
+  const bool only_trigger = length_ == 1 && watchdog_trigger_ && bus_writes_ && !one_byte;
+  const bool long_enough = length_ > 1 || only_trigger || (length_ == 1 && one_byte);
   if (!long_enough || start_ < kRegisterSpace || start_ + area > memory_end) {
     condition_ = Condition::bad_area;
     return;

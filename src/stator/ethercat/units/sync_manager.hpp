@@ -34,8 +34,11 @@ class SyncManager {
   };
 
   /// Takes over start, length, control, activate and PDI control from the eight registers and
-  /// starts with empty buffers. `memory_end` is the first address behind the process memory.
-  void configure(std::span<const std::byte, kRegisterLength> registers, std::size_t memory_end);
+  /// starts with empty buffers. `memory_end` is the first address behind the process memory;
+  /// `one_byte` says that a length of 1 is as good as any other, see
+  /// SlaveControllerConfiguration::one_byte_sync_managers.
+  void configure(std::span<const std::byte, kRegisterLength> registers, std::size_t memory_end,
+                 bool one_byte = false);
   /// Takes over the bits that may change while active (watchdog trigger).
   void refresh_control(std::uint8_t control);
 

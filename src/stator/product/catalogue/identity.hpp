@@ -38,6 +38,8 @@ struct Identity {
   std::vector<SerialInterface> serial_interfaces{};
   bool own_firmware = true;  ///< false: its firmware, if any, is a program beside it
   bool host_port = false;    ///< it has pins for a firmware of the user's
+  /// What a device is called in a rack file that gives it no name; empty: as its type.
+  std::string usual_name{};
 
   /// The order code in capitals, for people and files, e.g. "TMCM-3315".
   [[nodiscard]] std::string name() const;

@@ -91,6 +91,7 @@ std::optional<dictionary::Content> content_of(DataType type, const Json& value) 
     case DataType::visible_string:
       return text;
     case DataType::octet_string:
+    case DataType::unicode_string:
     case DataType::domain:
       return bytes_of_digits(text);
     case DataType::real32:
