@@ -47,6 +47,37 @@ std::string type_name(const Entry& entry) {
       return "UDINT";
     case DataType::unsigned64:
       return "ULINT";
+    case DataType::integer24:
+      return "INT24";
+    case DataType::integer40:
+      return "INT40";
+    case DataType::integer48:
+      return "INT48";
+    case DataType::integer56:
+      return "INT56";
+    case DataType::unsigned24:
+      return "UINT24";
+    case DataType::unsigned40:
+      return "UINT40";
+    case DataType::unsigned48:
+      return "UINT48";
+    case DataType::unsigned56:
+      return "UINT56";
+    case DataType::bit2:
+      return "BIT2";
+    case DataType::bit3:
+      return "BIT3";
+    case DataType::bit4:
+      return "BIT4";
+    case DataType::bit5:
+      return "BIT5";
+    case DataType::bit6:
+      return "BIT6";
+    case DataType::bit7:
+      return "BIT7";
+    case DataType::time_of_day:
+    case DataType::time_difference:
+      return "ARRAY [0..5] OF BYTE";
     case DataType::real32:
       return "REAL";
     case DataType::real64:
@@ -54,6 +85,7 @@ std::string type_name(const Entry& entry) {
     case DataType::visible_string:
       return fmt::format("STRING({})", entry.text().size());
     case DataType::octet_string:
+    case DataType::unicode_string:
     case DataType::domain:
       return fmt::format("ARRAY [0..{}] OF BYTE",
                          entry.text().empty() ? 0 : entry.text().size() - 1);
