@@ -24,6 +24,7 @@
 #include "session.hpp"
 #include "signal_handle.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/imports/resolvers.hpp"
 #include "stator/rack/faults/faults.hpp"
 #include "stator/rack/file/fault_section.hpp"
 #include "stator/rack/networks/can_network.hpp"
@@ -58,6 +59,7 @@ SessionPointer make_session(nb::handle source, bool links, std::optional<double>
                            .rewindable = rewindable,
                            .failure = std::make_shared<DeviceFailure>()};
   product::Catalogue catalogue = devices::products();
+  imports::add_resolvers(catalogue);
   add_own_products(catalogue, products, options.failure);
   Source described = source_of(source, catalogue, changes);
   described.own_devices = nb::len(products) != 0;

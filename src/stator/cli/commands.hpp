@@ -33,6 +33,7 @@ void add_jog_command(CLI::App& app);
 void add_top_command(CLI::App& app);
 void add_test_command(CLI::App& app);
 void add_new_command(CLI::App& app);
+void add_from_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 /// completion, and what the shells' scripts ask.
 void add_completion_command(CLI::App& app);

@@ -47,6 +47,7 @@ int parse(int argc, char** argv) {
   app.require_subcommand(1);
   add_run_command(app);
   add_new_command(app);
+  add_from_command(app);
   add_check_command(app);
   add_replay_command(app);
   add_status_command(app);
