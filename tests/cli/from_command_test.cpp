@@ -1,5 +1,5 @@
 // stator from: a rack file of files, what became of them, and what it refuses.
-#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -40,6 +40,21 @@ TEST_F(FromCommand, WritesARackThatRunsAndSaysWhatItAssumed) {
                                " --units-per-revolution 10000 --velocity 200000 --acceleration "
                                "2000000 --revolutions 2");
   EXPECT_EQ(moved.status, 0) << moved.output;
+}
+
+TEST_F(FromCommand, DrivesWithCyclicModesOnlyMoveByAStreamOfTargets) {
+  std::string text = tests::content(example("servo_drive.xml"));
+  const std::string modes = "<DefaultData>A5010000</DefaultData>";
+  ASSERT_NE(text.find(modes), std::string::npos) << "6502h";
+  text.replace(text.find(modes), modes.size(), "<DefaultData>80010000</DefaultData>");
+  std::ofstream(made("cyclic.xml")) << text;
+  ASSERT_EQ(stator("from " + made("cyclic.xml") + " -o " + made("rack.toml")).status, 0);
+  const Outcome moved = stator("move --rack " + made("rack.toml") +
+                               " --units-per-revolution 10000 --velocity 200000 --acceleration "
+                               "2000000 --revolutions -3 --settle 500ms");
+  EXPECT_EQ(moved.status, 0) << moved.output;
+  EXPECT_THAT(moved.output, HasSubstr("0 -> -30000"));
+  EXPECT_THAT(moved.output, testing::ContainsRegex("at -(30000|29999|30001), [01] from"));
 }
 
 TEST_F(FromCommand, SaysTheSameAsJson) {

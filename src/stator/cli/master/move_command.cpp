@@ -1,4 +1,5 @@
-// stator move: moves one axis of a CiA 402 drive on an EtherCAT segment, in profile position mode.
+// stator move: moves one axis of a CiA 402 drive on an EtherCAT segment, in profile position mode
+// or where the drive has none in cyclic synchronous position mode.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -68,13 +69,35 @@ double time_of(const MoveOptions& options, double distance) {
   return distance / options.velocity + options.velocity / acceleration;
 }
 
-/// Waits, saying how far it is, for twice that time plus a second.
-void wait_for_target(master::Master& master, master::Cia402Client& axis, double seconds) {
+/// Profile position, unless the drive has only cyclic synchronous position: by 6502h, and where
+/// that says nothing by what a profile needs.
+master::OperationMode mode_of(master::Cia402Client& axis) {
+  constexpr std::uint32_t kProfilePosition = 1U << 0;
+  constexpr std::uint32_t kCyclicSynchronousPosition = 1U << 7;
+  const auto supported = axis.read<std::uint32_t>(0x6502);
+  const bool streamed =
+      supported && *supported != 0
+          ? (*supported & kProfilePosition) == 0 && (*supported & kCyclicSynchronousPosition) != 0
+          : !axis.read<std::uint32_t>(0x6081);
+  return streamed ? master::OperationMode::cyclic_synchronous_position
+                  : master::OperationMode::profile_position;
+}
+
+/// Moves and waits, saying how far it is, for twice the time that it should take plus a second.
+void move_to_target(master::Master& master, master::Cia402Client& axis, master::OperationMode mode,
+                    const master::ProfileMove& move, double seconds) {
   const base::SimTime begin = master.port().now();
   Progress progress("moving");
+  const auto told = [&] {
+    progress.reached(std::min((master.port().now() - begin).seconds() / seconds, 1.0));
+  };
+  if (mode == master::OperationMode::cyclic_synchronous_position) {
+    require(axis.stream_move(move, told));
+    return;
+  }
+  require(axis.start_move(move));
   require(axis.wait_for_target(
-      base::SimDuration(static_cast<std::int64_t>((2.0 * seconds + 1.0) * 1e9)),
-      [&] { progress.reached(std::min((master.port().now() - begin).seconds() / seconds, 1.0)); }));
+      base::SimDuration(static_cast<std::int64_t>((2.0 * seconds + 1.0) * 1e9)), told));
 }
 
 void move(const MoveOptions& options) {
@@ -92,7 +115,8 @@ void move(const MoveOptions& options) {
   if (require(axis.state()) == master::DriveState::fault) {
     require(axis.reset_fault());
   }
-  require(axis.set_mode(master::OperationMode::profile_position));
+  const master::OperationMode mode = mode_of(axis);
+  require(axis.set_mode(mode));
   require(axis.enable());
   const std::int32_t start = require(axis.position_actual());
   const std::int32_t target = target_of(options, start);
@@ -100,12 +124,12 @@ void move(const MoveOptions& options) {
              target, options.velocity, options.acceleration);
 
   const base::SimTime begin = master.port().now();
-  require(axis.start_move({.target = target,
-                           .velocity = options.velocity,
-                           .acceleration = options.acceleration,
-                           .deceleration = options.deceleration.value_or(options.acceleration)}));
-  wait_for_target(
-      master, axis,
+  move_to_target(
+      master, axis, mode,
+      {.target = target,
+       .velocity = options.velocity,
+       .acceleration = options.acceleration,
+       .deceleration = options.deceleration.value_or(options.acceleration)},
       time_of(options, std::abs(static_cast<double>(target) - static_cast<double>(start))));
   const double seconds = (master.port().now() - begin).seconds();
   keep_running(master, *settle);

@@ -1,5 +1,8 @@
 #include "stator/master/cia402/cia402_client.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "stator/master/cia402/slave_drive_port.hpp"
 #include "stator/master/text.hpp"
 
@@ -60,6 +63,43 @@ std::optional<std::uint16_t> next_command(DriveState state) {
   }
   return std::nullopt;
 }
+
+/// A way with constant acceleration, velocity and deceleration, from standstill to standstill.
+class Trapezoid {
+ public:
+  Trapezoid(double distance, double velocity, double acceleration, double deceleration)
+      : distance_(distance), acceleration_(acceleration), deceleration_(deceleration) {
+    const double highest = std::sqrt(2.0 * std::abs(distance) * acceleration * deceleration /
+                                     (acceleration + deceleration));
+    velocity_ = std::min(velocity, highest);
+    ramps_ = velocity_ / acceleration + velocity_ / deceleration;
+    cruise_ = velocity_ > 0.0 ? std::abs(distance) / velocity_ - ramps_ / 2.0 : 0.0;
+  }
+
+  [[nodiscard]] double duration() const { return ramps_ + cruise_; }
+  /// How far it is after so many seconds, with the sign of the distance.
+  [[nodiscard]] double at(double seconds) const {
+    const double left = duration() - seconds;
+    const double speeding = velocity_ / acceleration_;
+    double way = std::abs(distance_);
+    if (seconds < speeding) {
+      way = acceleration_ * seconds * seconds / 2.0;
+    } else if (seconds < speeding + cruise_) {
+      way = velocity_ * (seconds - speeding / 2.0);
+    } else if (left > 0.0) {
+      way -= deceleration_ * left * left / 2.0;
+    }
+    return std::copysign(way, distance_);
+  }
+
+ private:
+  double distance_;
+  double acceleration_;
+  double deceleration_;
+  double velocity_ = 0.0;
+  double ramps_ = 0.0;   // seconds of both
+  double cruise_ = 0.0;  // seconds between them
+};
 
 }  // namespace
 
@@ -264,7 +304,8 @@ Result<void> Cia402Client::halt() {
 Result<void> Cia402Client::set_mode(OperationMode mode) {
   const auto number = static_cast<std::int8_t>(mode);
   if (auto written = write<std::int8_t>(kModesOfOperation, 0, number); !written) {
-    return written;
+    const auto shown = read<std::int8_t>(kModesOfOperationDisplay);
+    return shown && *shown == number ? Result<void>() : written;
   }
   const base::SimTime deadline = port_.now() + response_timeout_;
   while (true) {
@@ -318,6 +359,45 @@ Result<void> Cia402Client::require_enabled(std::string_view what) {
                                          " needs Operation enabled; enable it first");
   }
   return {};
+}
+
+Result<void> Cia402Client::stream_move(const ProfileMove& move,
+                                       const std::function<void()>& each_cycle) {
+  if (auto ready = require_enabled("moving"); !ready) {
+    return ready;
+  }
+  const double velocity = move.velocity.value_or(0);
+  const double acceleration = move.acceleration.value_or(0);
+  const double deceleration = move.deceleration.value_or(move.acceleration.value_or(0));
+  if (velocity <= 0.0 || acceleration <= 0.0 || deceleration <= 0.0) {
+    return fail(ErrorCode::argument,
+                name() + ": a streamed move needs velocity and acceleration; give both");
+  }
+  const auto start = position_actual();
+  if (!start) {
+    return base::Unexpected{start.error()};
+  }
+  const double from = *start;
+  const double distance = move.relative ? move.target : move.target - from;
+  const Trapezoid way(distance, velocity, acceleration, deceleration);
+  const base::SimTime begin = port_.now();
+  while (true) {
+    const double seconds = (port_.now() - begin).seconds();
+    const auto target = static_cast<std::int32_t>(std::llround(from + way.at(seconds)));
+    if (auto written = write<std::int32_t>(kTargetPosition, 0, target); !written) {
+      return written;
+    }
+    if (auto exchanged = port_.run_cycle(); !exchanged) {
+      return exchanged;
+    }
+    // Also what the drive falls into behind the first target.
+    if (auto ready = require_enabled("moving"); !ready || seconds >= way.duration()) {
+      return ready;
+    }
+    if (each_cycle) {
+      each_cycle();
+    }
+  }
 }
 
 Result<void> Cia402Client::run_at(std::int32_t velocity) {

@@ -73,7 +73,8 @@ class Cia402Client {
   /// Takes `controlword` for that one, e.g. since the drive was brought back to an earlier moment.
   void assume_controlword(std::uint16_t controlword) { controlword_ = controlword; }
 
-  /// Selects a mode and waits until the drive shows it (6061h).
+  /// Selects a mode and waits until the drive shows it (6061h). Some drives have one mode, which
+  /// nobody can write (6060h): one that is shown already is selected.
   Result<void> set_mode(OperationMode mode);
 
   /// Hands a set-point to the drive in profile position mode, with the handshake of new set-point
@@ -85,6 +86,11 @@ class Cia402Client {
   /// Waits for target reached; `each_cycle` is called as long as it is not.
   Result<void> wait_for_target(base::SimDuration limit,
                                const std::function<void()>& each_cycle = {});
+
+  /// Moves in cyclic synchronous position mode, which must have been selected: a new target (607Ah)
+  /// each cycle along a trapezoid, from where the axis is. For drives that have no profile position
+  /// mode. `move` has to have velocity and acceleration; returns once the last target is written.
+  Result<void> stream_move(const ProfileMove& move, const std::function<void()>& each_cycle = {});
 
   /// Turns at `velocity` (60FFh) from now on, in profile velocity or cyclic synchronous velocity
   /// mode, which must have been selected.
