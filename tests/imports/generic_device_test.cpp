@@ -1,17 +1,24 @@
 // Devices of files in a rack: they reach Operational, drives move, terminals have inputs and
 // outputs.
+#include <algorithm>
 #include <array>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/temporary_directory.hpp"
 #include "source_paths.hpp"
 #include "stator/bench/bench.hpp"
 #include "stator/devices/catalogue/products.hpp"
+#include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/imports/resolvers.hpp"
 #include "stator/master/cia402/cia402_client.hpp"
+#include "stator/product/device/ethercat_device.hpp"
 #include "stator/rack/file/rack_file.hpp"
 #include "stator/rack/file/rack_file_error.hpp"
 #include "stator/rack/world/rack_event.hpp"
@@ -88,6 +95,68 @@ TEST(GenericSlave, ModesThat6502hDoesNotHaveAreRefused) {
   EXPECT_FALSE(write(4)) << "profile torque";
   EXPECT_FALSE(write(10)) << "cyclic synchronous torque";
   EXPECT_TRUE(write(8));
+}
+
+/// The file with a text in it replaced, in a folder of the test.
+std::string changed(const tests::TemporaryDirectory& directory, const std::string& name,
+                    const std::string& from, const std::string& to) {
+  std::ifstream original(file(name), std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(original), {}};
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  const std::string path = directory.path() + "/" + name;
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+TEST(GenericSlave, AModeThatNobodyCanWriteIsTheOneItIsIn) {
+  const tests::TemporaryDirectory directory;
+  const std::string path =
+      changed(directory, "servo_drive.xml",
+              "<Info><DefaultData>08</DefaultData></Info><Flags><Access>rw</Access><PdoMapping>R",
+              "<Flags><Access>ro</Access><PdoMapping>R");
+  const auto imported = import_product("esi:" + path);
+  ASSERT_TRUE(imported) << imported.error().text;
+  EXPECT_TRUE(std::ranges::any_of(imported->report.notes,
+                                  [](const auto& note) { return note.rule == "drive-mode"; }));
+  bench::Bench bench(rack_of("segment", {"esi:" + path}));
+  ASSERT_TRUE(bench.go_operational());
+  const auto port = bench.drive(*bench.find("device0"));
+  ASSERT_TRUE(port) << port.error().text;
+  master::Cia402Client drive(**port);
+  const auto mode = drive.set_mode(master::OperationMode::cyclic_synchronous_position);
+  EXPECT_TRUE(mode) << mode.error().text;
+  EXPECT_FALSE(drive.set_mode(master::OperationMode::homing));
+}
+
+TEST(GenericSlave, AnEepromTooSmallForItsFileGrows) {
+  const tests::TemporaryDirectory directory;
+  const std::string name(2'500, 'n');
+  const std::string path = changed(directory, "servo_drive.xml", "<Name>Not the default</Name>",
+                                   "<Name>" + name.substr(0, 250) + "</Name>");
+  std::string text;
+  {
+    std::ifstream original(path, std::ios::binary);
+    text.assign(std::istreambuf_iterator<char>(original), {});
+  }
+  // Ten further PDOs with names of 250 letters do not fit into 2,048 bytes.
+  std::string pdos;
+  for (int i = 0; i < 10; ++i) {
+    pdos += fmt::format(
+        "<RxPdo><Index>#x{:04X}</Index><Name>{}{}</Name><Entry><Index>#x2001</Index>"
+        "<SubIndex>0</SubIndex><BitLen>16</BitLen><Name>Some parameter</Name>"
+        "<DataType>INT</DataType></Entry></RxPdo>",
+        0x1610 + i, i, name.substr(0, 249));
+  }
+  text.insert(text.find("<RxPdo>"), pdos);
+  std::ofstream(path, std::ios::binary) << text;
+  const auto imported = import_product("esi:" + path);
+  ASSERT_TRUE(imported) << imported.error().text;
+  const auto made = imported->product->defaults().make();
+  const auto image = dynamic_cast<product::EtherCatDevice&>(*made).sii_image();
+  EXPECT_EQ(image.size(), 4'096U);
+  EXPECT_EQ(ethercat::parse_sii_image(image)->size_kbit, 32);
 }
 
 TEST(GenericSlave, StoresOtherObjectsWithTheirRange) {

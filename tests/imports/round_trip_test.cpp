@@ -151,6 +151,16 @@ TEST(SiiSlave, DumpsOfRealDevicesAreReadAsFarAsTheyGo) {
   EXPECT_EQ(slave_of_sii(image, cut).error().rule, "sii-too-short");
 }
 
+TEST(SiiSlave, NamesOfOtherComputersBecomeUtf8) {
+  ethercat::SiiContents contents;
+  contents.order_code = "T-1";
+  contents.name = "Filter 10 \xB5s";  // Latin-1
+  ImportReport report;
+  const auto file = slave_of_sii(ethercat::compose_sii_image(contents), report);
+  ASSERT_TRUE(file) << file.error().text;
+  EXPECT_EQ(file->description.name, "Filter 10 \xC2\xB5s");
+}
+
 TEST(OfACanOpenProduct, EveryObjectComesBackFromItsEds) {
   const auto made = devices::products().find("tmcc160")->defaults().make();
   const auto* const device = dynamic_cast<const product::CanDevice*>(made.get());

@@ -10,6 +10,7 @@
 #include "stator/base/byte_order.hpp"
 #include "stator/ethercat/sii/sii_image.hpp"
 #include "stator/ethercat/units/sii_interface.hpp"
+#include "stator/formats/esi/esi_encoding.hpp"
 
 namespace stator::imports {
 
@@ -27,6 +28,11 @@ using Bytes = std::vector<std::byte>;
 constexpr std::size_t kHeader = ethercat::sii_word::kFirstCategory * 2;
 constexpr std::uint16_t kStringsType = static_cast<std::uint16_t>(SiiCategory::strings);
 constexpr std::uint16_t kEndType = static_cast<std::uint16_t>(SiiCategory::end);
+
+/// Of category 10: EEPROMs have these in whatever their maker's computer wrote.
+std::string text_of(const std::string& bytes) {
+  return formats::decode_esi(bytes).text;
+}
 
 void put_word(Bytes& bytes, std::uint16_t value) {
   bytes.push_back(static_cast<std::byte>(value & 0xFFU));
@@ -83,7 +89,7 @@ std::vector<ImportedPdo> pdos_of(const std::vector<ethercat::SiiPdo>& listed) {
   for (const ethercat::SiiPdo& each : listed) {
     ImportedPdo pdo;
     pdo.index = each.index;
-    pdo.name = each.name;
+    pdo.name = text_of(each.name);
     if (each.sync_manager < kNotAssigned) {
       pdo.sync_manager = each.sync_manager;
     }
@@ -91,7 +97,7 @@ std::vector<ImportedPdo> pdos_of(const std::vector<ethercat::SiiPdo>& listed) {
       pdo.entries.push_back({.index = entry.index,
                              .subindex = entry.subindex,
                              .bits = entry.bits,
-                             .name = entry.name,
+                             .name = text_of(entry.name),
                              .type = type_of(entry.data_type, entry.bits)});
     }
     pdos.push_back(std::move(pdo));
@@ -145,9 +151,9 @@ base::Expected<ImportedSlave, ImportError> slave_of_sii(std::span<const std::byt
       static_cast<std::uint8_t>(contents->pdi_configuration >> 8);
   description.sync_pulse_length = contents->sync_pulse_length;
   description.sii_size_kbit = contents->size_kbit;
-  description.order_code = contents->order_code;
-  description.name = contents->name.empty() ? contents->order_code : contents->name;
-  description.group = contents->group;
+  description.order_code = text_of(contents->order_code);
+  description.name = contents->name.empty() ? description.order_code : text_of(contents->name);
+  description.group = text_of(contents->group);
   description.receive_mailbox = contents->receive_mailbox;
   description.transmit_mailbox = contents->transmit_mailbox;
   constexpr unsigned kEoe = 0x02;

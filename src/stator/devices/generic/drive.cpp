@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -232,6 +233,22 @@ void Drive::link(ImportReport* report) {
   }
 }
 
+// Nobody can write it, so that the drive has to be in a mode by itself.
+void Drive::choose_only_mode(Entry& entry, ImportReport* report) {
+  constexpr unsigned kCyclicSynchronousPosition = 8;
+  const std::uint64_t modes = object_value(kSupportedModes, 0);
+  const bool cyclic = modes == 0 || (modes >> (kCyclicSynchronousPosition - 1) & 1U) != 0;
+  const unsigned mode =
+      cyclic ? kCyclicSynchronousPosition : static_cast<unsigned>(std::countr_zero(modes)) + 1;
+  objects_.set_default(entry.index(), entry.subindex(), mode);
+  if (report != nullptr) {
+    report->add(ImportKind::assumed, 0, "drive-mode",
+                hexadecimal(entry.index(), 4) +
+                    "h cannot be written and has no value; the drive is in mode " +
+                    std::to_string(mode));
+  }
+}
+
 void Drive::link_entry(Entry& entry, ImportReport* report) {
   const auto index = static_cast<std::uint16_t>(entry.index() - index_offset(number_));
   if (is_one_of(kUnitObjects, index)) {
@@ -259,6 +276,9 @@ void Drive::link_entry(Entry& entry, ImportReport* report) {
   commands_.push_back(made);
   objects_.on_check(entry.index(), entry.subindex(),
                     Entry::CheckHook::bind<&Drive::command>(*this));
+  if (index == kModesOfOperation && !entry.writable() && entry.default_bits() == 0) {
+    choose_only_mode(entry, report);
+  }
   choose_defaults(made, report);
 }
 

@@ -95,6 +95,7 @@ class Drive {
 
   void link(dictionary::ImportReport* report);
   void link_entry(dictionary::Entry& entry, dictionary::ImportReport* report);
+  void choose_only_mode(dictionary::Entry& entry, dictionary::ImportReport* report);
   void choose_defaults(const Link& link, dictionary::ImportReport* report);
   void follow_units();
   void scale_defaults();

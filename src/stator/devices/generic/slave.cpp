@@ -64,6 +64,7 @@ product::EtherCatFirmwareParts parts_of(const ImportedSlave& file,
   stack.distributed_clocks.sync1 = stack.distributed_clocks.sync0;
   ethercat::DeviceDescription description = description_of(file, configuration);
   description.distributed_clocks = stack.distributed_clocks.sync0;
+  description.sii_grows = true;  // the size of many files is that of a template
   description.sii_size_kbit =
       std::clamp<std::uint16_t>(description.sii_size_kbit, 16, kLargestImage);
   ethercat::SlaveControllerConfiguration controller;

@@ -78,6 +78,7 @@ ethercat::SiiContents sii_contents(const ImportedSlave& file) {
   contents.station_alias = description.station_alias;
   contents.pdi_control = kDeviceEmulation;
   contents.size_kbit = std::max<std::uint16_t>(description.sii_size_kbit, 16);
+  contents.grows = true;
   contents.group = description.group;
   contents.order_code = description.order_code;
   contents.name = description.name;

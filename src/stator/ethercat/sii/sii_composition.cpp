@@ -48,7 +48,6 @@ void store_words(std::span<std::byte> image, const SiiContents& contents) {
   put_area(kStandardMailbox, contents.receive_mailbox);
   put_area(kStandardMailbox + 2, contents.transmit_mailbox);
   put(kMailboxProtocols, contents.mailbox_protocols);
-  put(kSize, static_cast<std::uint16_t>(contents.size_kbit - 1));
   put(kVersion, std::uint16_t{1});
 }
 
@@ -140,13 +139,7 @@ std::vector<std::byte> compose_sii_image(const SiiContents& contents) {
     image.put_category(SiiCategory::distributed_clock, clock);
   }
   image.put(static_cast<std::uint16_t>(SiiCategory::end));
-  const std::size_t capacity = std::size_t{contents.size_kbit} * 128;
-  if (image.bytes().size() > capacity) {
-    throw std::logic_error("SII image of " + contents.name + " takes " +
-                           std::to_string(image.bytes().size()) + " bytes, the EEPROM has " +
-                           std::to_string(capacity));
-  }
-  image.bytes().resize(capacity, std::byte{0xFF});
+  fill_eeprom(image.bytes(), contents.name, contents.size_kbit, contents.grows);
   return std::move(image.bytes());
 }
 

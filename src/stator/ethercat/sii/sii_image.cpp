@@ -224,7 +224,6 @@ void store_fixed_part(std::span<std::byte> image, const DeviceDescription& descr
                 description.bootstrap_transmit_mailbox);
   store_mailbox(image, kStandardMailbox, description.receive_mailbox, description.transmit_mailbox);
   base::store_le(image, kMailboxProtocols * 2, static_cast<std::uint16_t>(protocols));
-  base::store_le(image, kSize * 2, static_cast<std::uint16_t>(description.sii_size_kbit - 1));
   base::store_le(image, kVersion * 2, std::uint16_t{1});
 }
 
@@ -260,14 +259,24 @@ std::vector<std::byte> build_sii_image(const DeviceDescription& description,
   }
   image.put(static_cast<std::uint16_t>(SiiCategory::end));
 
-  const std::size_t capacity = std::size_t{description.sii_size_kbit} * 128;
-  if (image.bytes().size() > capacity) {
-    throw std::logic_error("SII image of " + description.name + " takes " +
-                           std::to_string(image.bytes().size()) + " bytes, the EEPROM has " +
-                           std::to_string(capacity));
-  }
-  image.bytes().resize(capacity, std::byte{0xFF});
+  fill_eeprom(image.bytes(), description.name, description.sii_size_kbit, description.sii_grows);
   return std::move(image.bytes());
+}
+
+void fill_eeprom(std::vector<std::byte>& image, const std::string& name, std::uint16_t kbit,
+                 bool grows) {
+  constexpr std::size_t kBytesInKbit = 128;
+  constexpr std::uint16_t kLargest = 0x4000;
+  while (grows && kbit < kLargest && image.size() > kbit * kBytesInKbit) {
+    kbit = static_cast<std::uint16_t>(2 * kbit);
+  }
+  const std::size_t capacity = kbit * kBytesInKbit;
+  if (image.size() > capacity) {
+    throw std::logic_error("SII image of " + name + " takes " + std::to_string(image.size()) +
+                           " bytes, the EEPROM has " + std::to_string(capacity));
+  }
+  base::store_le(image, sii_word::kSize * 2, static_cast<std::uint16_t>(kbit - 1));
+  image.resize(capacity, std::byte{0xFF});
 }
 
 }  // namespace stator::ethercat

@@ -49,6 +49,12 @@ enum class SiiCategory : std::uint16_t {
   end = 0xFFFF,
 };
 
+/// Says the EEPROM's size in the image and fills it with FFh behind the contents. It has so many
+/// `kbit`, or if it `grows` twice that until the contents fit. Throws std::logic_error if they do
+/// not, naming both sizes and the device's `name`.
+void fill_eeprom(std::vector<std::byte>& image, const std::string& name, std::uint16_t kbit,
+                 bool grows);
+
 /// What the image says beyond the description.
 struct SiiOptions {
   bool device_identification = false;  ///< explicit device identification by AL status code
@@ -95,6 +101,7 @@ struct SiiContents {
   std::uint16_t pdi_configuration = 0;  ///< word 1
   std::uint16_t sync_pulse_length = 0;  ///< word 2, 10 ns
   std::uint16_t size_kbit = 16;         ///< of the EEPROM
+  bool grows = false;                   ///< it is larger where its contents need it
   MailboxArea receive_mailbox;
   MailboxArea transmit_mailbox;
   MailboxArea bootstrap_receive_mailbox;

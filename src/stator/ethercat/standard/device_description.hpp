@@ -58,6 +58,7 @@ struct DeviceDescription {
   std::int16_t ebus_current = 0;                         ///< mA, 0 for a device with its own supply
   std::array<char, 4> port_physics{'Y', 'Y', ' ', ' '};  ///< ESI: Y = MII, K = E-bus, ' ' = none
   std::uint16_t sii_size_kbit = 16;                      ///< EEPROM size
+  bool sii_grows = false;  ///< it is larger where its contents need it
 
   /// False for a coupler, which has neither mailbox nor process data.
   [[nodiscard]] bool exchanges_data() const {
