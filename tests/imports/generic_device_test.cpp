@@ -121,13 +121,12 @@ TEST(GenericSlave, AModeThatNobodyCanWriteIsTheOneItIsIn) {
   EXPECT_TRUE(std::ranges::any_of(imported->report.notes,
                                   [](const auto& note) { return note.rule == "drive-mode"; }));
   bench::Bench bench(rack_of("segment", {"esi:" + path}));
-  ASSERT_TRUE(bench.go_operational());
-  const auto port = bench.drive(*bench.find("device0"));
-  ASSERT_TRUE(port) << port.error().text;
-  master::Cia402Client drive(**port);
-  const auto mode = drive.set_mode(master::OperationMode::cyclic_synchronous_position);
-  EXPECT_TRUE(mode) << mode.error().text;
-  EXPECT_FALSE(drive.set_mode(master::OperationMode::homing));
+  ASSERT_TRUE(bench.take_to(ethercat::AlState::pre_operational, 0));
+  const rack::DeviceAddress device = *bench.find("device0");
+  using Bytes = std::vector<std::byte>;
+  EXPECT_EQ(bench.upload(device, {0x6060, 0}).value(), Bytes{std::byte{8}});
+  EXPECT_EQ(bench.upload(device, {0x6061, 0}).value(), Bytes{std::byte{8}});
+  EXPECT_FALSE(bench.download(device, {0x6060, 0}, Bytes{std::byte{6}}));
 }
 
 TEST(GenericSlave, AnEepromTooSmallForItsFileGrows) {
