@@ -69,18 +69,29 @@ double time_of(const MoveOptions& options, double distance) {
   return distance / options.velocity + options.velocity / acceleration;
 }
 
-/// Profile position, unless the drive has only cyclic synchronous position: by 6502h, and where
-/// that says nothing by what a profile needs.
-master::OperationMode mode_of(master::Cia402Client& axis) {
+/// Selects profile position, or cyclic synchronous position where the drive has no profile: by
+/// 6502h, by the objects that a profile needs, or because nobody can write its mode.
+master::OperationMode select_mode(master::Cia402Client& axis) {
   constexpr std::uint32_t kProfilePosition = 1U << 0;
   constexpr std::uint32_t kCyclicSynchronousPosition = 1U << 7;
   const auto supported = axis.read<std::uint32_t>(0x6502);
-  const bool streamed =
-      supported && *supported != 0
-          ? (*supported & kProfilePosition) == 0 && (*supported & kCyclicSynchronousPosition) != 0
-          : !axis.read<std::uint32_t>(0x6081);
-  return streamed ? master::OperationMode::cyclic_synchronous_position
-                  : master::OperationMode::profile_position;
+  const std::uint32_t modes = supported && *supported != 0 ? *supported : ~0U;
+  const bool streams = (modes & kCyclicSynchronousPosition) != 0;
+  const bool profiles = (modes & kProfilePosition) != 0 && axis.read<std::uint32_t>(0x6081);
+  master::Result<void> selected;
+  if (profiles || !streams) {
+    selected = axis.set_mode(master::OperationMode::profile_position);
+    if (selected || !streams) {
+      require(selected);
+      return master::OperationMode::profile_position;
+    }
+  }
+  auto streamed = axis.set_mode(master::OperationMode::cyclic_synchronous_position);
+  if (!streamed) {
+    require(selected);  // what was wanted first tells more
+    require(streamed);
+  }
+  return master::OperationMode::cyclic_synchronous_position;
 }
 
 /// Moves and waits, saying how far it is, for twice the time that it should take plus a second.
@@ -115,8 +126,7 @@ void move(const MoveOptions& options) {
   if (require(axis.state()) == master::DriveState::fault) {
     require(axis.reset_fault());
   }
-  const master::OperationMode mode = mode_of(axis);
-  require(axis.set_mode(mode));
+  const master::OperationMode mode = select_mode(axis);
   require(axis.enable());
   const std::int32_t start = require(axis.position_actual());
   const std::int32_t target = target_of(options, start);
