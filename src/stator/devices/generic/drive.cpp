@@ -87,7 +87,7 @@ std::uint64_t saturated(dictionary::DataType type, std::int64_t value) {
     return static_cast<std::uint64_t>(value);
   }
   const bool with_sign = dictionary::is_signed(type);
-  const std::int64_t highest = static_cast<std::int64_t>(mask_of(with_sign ? bits - 1 : bits));
+  const auto highest = static_cast<std::int64_t>(mask_of(with_sign ? bits - 1 : bits));
   const std::int64_t lowest = with_sign ? -highest - 1 : 0;
   return static_cast<std::uint64_t>(std::clamp(value, lowest, highest));
 }
@@ -107,7 +107,7 @@ std::uint64_t carried_bits(const Entry& from, std::uint64_t bits, const Entry& t
   if (from.bits() == to.bits()) {
     return bits & mask_of(to.bits());
   }
-  std::int64_t value = static_cast<std::int64_t>(bits);
+  auto value = static_cast<std::int64_t>(bits);
   // A code such as a homing method in a longer type without sign: -1 is FFFFFFFFh.
   const bool longer = from.bits() > to.bits() && !dictionary::is_signed(from.type());
   if (longer && dictionary::is_signed(to.type()) && (bits >> (from.bits() - 1)) != 0) {

@@ -46,6 +46,7 @@ unsigned ports_of(const ImportedSlave& file) {
 
 std::vector<product::AxisSetup> setups_of(std::vector<plant::PwmAxisParameters>& axes) {
   std::vector<product::AxisSetup> setups;
+  setups.reserve(axes.size());
   for (plant::PwmAxisParameters& axis : axes) {
     setups.push_back({.pwm = &axis});
   }

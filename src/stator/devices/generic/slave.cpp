@@ -12,7 +12,6 @@ namespace stator::devices::generic {
 
 namespace {
 
-using base::SimDuration;
 using base::SimTime;
 using dictionary::Entry;
 using ethercat::ImportedSlave;
@@ -40,8 +39,7 @@ ethercat::DeviceDescription description_of(const ImportedSlave& file,
   }
   // No file says what a device does with files or with Ethernet frames.
   description.foe = false;
-  for (std::size_t i = 0; i < file.sync_managers.size(); ++i) {
-    const ethercat::ImportedSyncManager& manager = file.sync_managers[i];
+  for (const ethercat::ImportedSyncManager& manager : file.sync_managers) {
     if (manager.type == ethercat::kProcessOutputs && description.output_offset == 0) {
       description.output_offset = manager.start;
     } else if (manager.type == ethercat::kProcessInputs && description.input_offset == 0) {

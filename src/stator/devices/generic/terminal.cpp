@@ -59,7 +59,7 @@ ethercat::SlaveControllerConfiguration controller_of(const ImportedSlave& file,
 void copy(std::span<const std::byte> image, std::size_t bit, std::size_t bits, Entry& entry) {
   std::array<std::byte, sizeof(std::uint64_t)> value{};
   ethercat::copy_bits(value.data(), 0, image.data(), bit, bits);
-  std::uint64_t number = base::load_le<std::uint64_t>(value.data());
+  auto number = base::load_le<std::uint64_t>(value.data());
   if (dictionary::is_signed(entry.type()) && bits < 64 && (number >> (bits - 1)) != 0) {
     number |= ~std::uint64_t{0} << bits;
   }
