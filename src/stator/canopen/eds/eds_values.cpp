@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "stator/base/spelling.hpp"
+#include "stator/base/trimmed.hpp"
 
 namespace stator::canopen {
 
@@ -178,13 +179,7 @@ std::size_t utf8_length(std::string_view text) {
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) {
-    text.remove_prefix(1);
-  }
-  while (!text.empty() && is_space(text.back())) {
-    text.remove_suffix(1);
-  }
-  return text;
+  return base::trimmed(text, " \t");
 }
 
 std::optional<EdsNumber> parse_eds_number(std::string_view text) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "stator/base/trimmed.hpp"
 #include "stator/formats/esi/esi_encoding.hpp"
 
 namespace stator::formats {
@@ -57,13 +58,7 @@ std::string_view hexadecimal_digits(std::string_view text) {
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) {
-    text.remove_prefix(1);
-  }
-  while (!text.empty() && is_space(text.back())) {
-    text.remove_suffix(1);
-  }
-  return text;
+  return base::trimmed(text, " \t\r\n");
 }
 
 std::optional<EsiNumber> esi_number(std::string_view text) {

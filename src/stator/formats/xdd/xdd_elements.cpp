@@ -1,5 +1,7 @@
 #include "stator/formats/xdd/xdd_elements.hpp"
 
+#include "stator/formats/esi/esi_values.hpp"
+
 namespace stator::formats {
 
 pugi::xml_node child_named(pugi::xml_node node, std::string_view name) {
@@ -11,13 +13,7 @@ pugi::xml_node descendant_named(pugi::xml_node node, std::string_view name) {
 }
 
 std::string_view element_text(pugi::xml_node node) {
-  constexpr std::string_view kSpaces = " \t\r\n";
-  const std::string_view text = node.text().get();
-  const std::size_t begin = text.find_first_not_of(kSpaces);
-  if (begin == std::string_view::npos) {
-    return {};
-  }
-  return text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
+  return trimmed(node.text().get());
 }
 
 std::string_view xdd_attribute(pugi::xml_node node, const char* name) {

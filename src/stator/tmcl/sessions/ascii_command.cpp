@@ -5,20 +5,14 @@
 #include <limits>
 #include <optional>
 
+#include "stator/base/trimmed.hpp"
+
 namespace stator::tmcl {
 
 namespace {
 
 bool same_word(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, upper_case, upper_case);
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(' ');
-  if (begin == std::string_view::npos) {
-    return {};
-  }
-  return text.substr(begin, text.find_last_not_of(' ') - begin + 1);
 }
 
 std::optional<std::int64_t> number_in(std::string_view text) {
@@ -82,7 +76,7 @@ std::optional<std::string_view> next_operand(std::string_view& rest, bool& more)
     return std::nullopt;
   }
   const auto comma = rest.find(',');
-  const std::string_view operand = trimmed(rest.substr(0, comma));
+  const std::string_view operand = base::trimmed(rest.substr(0, comma), " ");
   more = comma != std::string_view::npos;
   rest = more ? rest.substr(comma + 1) : std::string_view();
   return operand;
@@ -91,14 +85,14 @@ std::optional<std::string_view> next_operand(std::string_view& rest, bool& more)
 }  // namespace
 
 AsciiCommand parse_ascii_command(std::string_view line, const CommandSet& commands) {
-  line = trimmed(line);
+  line = base::trimmed(line, " ");
   if (line.empty()) {
     return {};
   }
   const auto space = line.find(' ');
   const std::string_view word = line.substr(0, space);
   std::string_view rest =
-      space == std::string_view::npos ? std::string_view() : trimmed(line.substr(space));
+      space == std::string_view::npos ? std::string_view() : base::trimmed(line.substr(space), " ");
   if (rest.empty()) {
     if (same_word(word, "BIN")) {
       return {.kind = LineKind::binary_mode};

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "stator/base/trimmed.hpp"
 #include "stator/web/problem.hpp"
 
 namespace stator::web {
@@ -45,15 +46,10 @@ std::string_view cache_control(std::string_view path) {
   return path.starts_with("/assets/") ? "public, max-age=31536000, immutable" : "no-cache";
 }
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-  return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
-}
-
 /// The text before `separator`, or all, without spaces around it; `text` is what comes behind.
 std::string_view next_part(std::string_view& text, char separator) {
   const std::size_t end = std::min(text.find(separator), text.size());
-  const std::string_view part = trimmed(text.substr(0, end));
+  const std::string_view part = base::trimmed(text.substr(0, end), " \t");
   text.remove_prefix(std::min(end + 1, text.size()));
   return part;
 }
