@@ -96,17 +96,17 @@ test("the controlword is written bit by bit", async ({ open }) => {
     for (const bit of [0, 1, 2, 3]) {
       const wanted = String(((value >> bit) & 1) === 1);
       if ((await toggles.nth(bit).getAttribute("aria-pressed")) !== wanted) {
-        await toggles.nth(bit).click({ timeout: 5_000 });
+        await toggles.nth(bit).click({ timeout: 30_000 });
       }
     }
-    await axis.getByRole("button", { name: "Write" }).click({ timeout: 5_000 });
-    await axis.getByText(state, { exact: true }).waitFor({ timeout: 10_000 });
+    await axis.getByRole("button", { name: "Write" }).click({ timeout: 30_000 });
+    await axis.getByText(state, { exact: true }).waitFor({ timeout: 30_000 });
   };
   await expect(async () => {
     await write(0b0110, "Ready to switch on");
     await write(0b0111, "Switched on");
     await write(0b1111, "Operation enabled");
-  }).toPass({ timeout: 120_000 });
+  }).toPass({ timeout: 400_000 });
   await lookAt(page, "manual");
   await giveBack(page);
 });

@@ -312,6 +312,12 @@ const kHelp: readonly (readonly [start: string, means: string, remedy: string, g
     "how-to/move-by-hand.md",
   ],
   [
+    "generic-",
+    "A device that was made of a file refused a mode of operation that its 6502h does not list.",
+    "Choose a mode of 6502h; if the device has the mode nevertheless, change 6502h in the file.",
+    "how-to/any-device.md",
+  ],
+  [
     "tmcl-",
     "A command of TMCL was refused, or did not arrive whole.",
     "Check command, type, motor and value against the module's manual, and the telegram's checksum.",
